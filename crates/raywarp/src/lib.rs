@@ -1,0 +1,3 @@
+//! A ray tracer for CUDA that needs nothing but the driver, and runs on the CPU without one.
+
+pub mod scene;

@@ -1,0 +1,96 @@
+//! What can go wrong with a file, as sentences.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// Where in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// The file as a whole.
+    File,
+    /// A line and a column, both from 1.
+    Line(usize, usize),
+    /// A byte offset, from 0.
+    Byte(u64),
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Place::File => Ok(()),
+            Place::Line(line, column) => write!(f, ":{line}:{column}"),
+            Place::Byte(offset) => write!(f, ", byte {offset}"),
+        }
+    }
+}
+
+/// Why a scene could not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LoadError {
+    /// The file could not be opened or read.
+    #[error("cannot read {}: {source}. {help}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+        /// What to do.
+        help: String,
+    },
+    /// The file breaks its format.
+    #[error("{}{place}: {read}; expected {expected}. {help}", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        place: Place,
+        /// What was found, as a phrase: "'f 1 2' has 2 vertices".
+        read: String,
+        /// What should have been there, as a phrase: "at least 3".
+        expected: String,
+        /// What to do, a sentence.
+        help: String,
+    },
+    /// The file is right but asks for something that raywarp lacks.
+    #[error("{}{place}: {what} is not supported. {help}", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        place: Place,
+        /// The feature, a noun phrase.
+        what: String,
+        /// What to do, a sentence.
+        help: String,
+    },
+    /// The file claims more than it can hold, or more than indices can count.
+    #[error("{}{place}: {what}. {help}", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        place: Place,
+        /// The claim and the limit, with both numbers.
+        what: String,
+        /// What to do, a sentence.
+        help: String,
+    },
+    /// A warning, with [`LoadOptions::strict`](super::LoadOptions::strict).
+    #[error("{0} (an error because of --strict)")]
+    Strict(super::Warning),
+}
+
+impl LoadError {
+    pub(crate) fn unknown_format(path: &Path) -> Self {
+        Self::Unsupported {
+            path: path.to_owned(),
+            place: Place::File,
+            what: match path.extension() {
+                Some(extension) => format!("the scene format '.{}'", extension.to_string_lossy()),
+                None => "a scene file without an extension".to_owned(),
+            },
+            help: format!("Give a file that ends in .{}.", super::EXTENSIONS.join(", .")),
+        }
+    }
+}

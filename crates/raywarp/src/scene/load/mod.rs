@@ -1,0 +1,51 @@
+//! From files to a [`Scene`]: the extension picks the reader.
+
+mod error;
+mod gltf;
+mod images;
+mod mtl;
+mod obj;
+mod ply;
+mod source;
+mod toml;
+
+use std::path::Path;
+
+use super::Scene;
+pub use error::{LoadError, Place};
+pub use source::{LoadOptions, Sources, Warning};
+
+/// A scene and what had to be dropped or replaced to get it.
+#[derive(Debug, Default)]
+pub struct Loaded {
+    /// The scene.
+    pub scene: Scene,
+    /// Each thing that is not as the file asks, once, in the order found.
+    pub warnings: Vec<Warning>,
+}
+
+/// Extensions that [`load`] knows, without the dot.
+pub const EXTENSIONS: [&str; 5] = ["obj", "ply", "gltf", "glb", "toml"];
+
+/// Reads a scene from a file, with all the files it names.
+///
+/// # Errors
+/// [`LoadError`] names the file, the place, what was read, what was expected and what to do. With
+/// [`LoadOptions::strict`] the first warning is an error too.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
+    let mut sources = Sources::new(options);
+    let scene = read(path, &mut sources)?;
+    Ok(Loaded { scene, warnings: sources.into_warnings() })
+}
+
+/// Reads one file of any known format; scene files call it for the meshes they name.
+pub(crate) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadError> {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    match extension.as_str() {
+        "obj" => obj::read(path, sources),
+        "ply" => ply::read(path, sources),
+        "gltf" | "glb" => gltf::read(path, sources),
+        "toml" => toml::read(path, sources),
+        _ => Err(LoadError::unknown_format(path)),
+    }
+}
