@@ -1,0 +1,295 @@
+//! What can be launched: each kernel is its parameter block, and one thread of it a plain function.
+
+use core::marker::PhantomData;
+
+use crate::camera::{pixel_centre, Camera};
+use crate::film::Pixel;
+use crate::math::Vec3;
+use crate::ray::{Hit, Ray};
+use crate::sample::{combine, stratified};
+use crate::shade::whitted::{trace, visible, Limits};
+use crate::surface::Scene;
+use crate::traverse::{closest, occlusion, Counter, Occlusion, Structure, Tests, Uncounted, START};
+use crate::view::{View, ViewMut};
+
+/// Which thread of a launch this is: column and row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Thread {
+    /// From 0, to the right.
+    pub x: u32,
+    /// From 0, downwards.
+    pub y: u32,
+}
+
+/// A kernel: its parameters, and what one of its threads does.
+pub trait Kernel: Copy + Send + Sync {
+    /// Name of the entry point in the PTX.
+    const NAME: &'static str;
+
+    /// Work of one thread. Threads beyond the edge of the launch do nothing.
+    fn thread(&self, thread: Thread);
+}
+
+/// Which part of a picture a launch computes, and how finely.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    /// Where the rays come from.
+    pub camera: Camera,
+    /// First column, row of this launch within the picture.
+    pub origin: [u32; 2],
+    /// Columns, rows of this launch.
+    pub extent: [u32; 2],
+    /// Column of the film's first pixel within the picture, its row, and the film's width.
+    pub film: [u32; 3],
+    /// First sample of this launch, the one after its last, and how many a pixel gets in all.
+    pub samples: [u32; 3],
+    /// Changes the random numbers.
+    pub seed: u32,
+}
+
+impl Frame {
+    /// The thread's pixel in the picture and its index in the film; none beyond the edge.
+    #[inline(always)]
+    fn pixel(&self, thread: Thread) -> Option<(u32, u32, u32)> {
+        let (x, y) = (self.origin[0] + thread.x, self.origin[1] + thread.y);
+        let inside = thread.x < self.extent[0] && thread.y < self.extent[1];
+        inside.then(|| (x, y, (y - self.film[1]) * self.film[2] + (x - self.film[0])))
+    }
+}
+
+/// Adds samples of the paper's shading to the film, one thread a pixel.
+#[repr(C)]
+#[derive(Debug)]
+pub struct Whitted<S, C> {
+    /// Where to find hits.
+    pub structure: S,
+    /// What is there.
+    pub scene: Scene,
+    /// Which pixels and samples.
+    pub frame: Frame,
+    /// Bounces, shadows.
+    pub limits: Limits,
+    /// Sums, read and written.
+    pub film: ViewMut<Pixel>,
+    /// Counts, read and written where `C` counts.
+    pub tests: ViewMut<Tests>,
+    /// Whether to count.
+    pub counter: PhantomData<C>,
+}
+
+impl<S: Structure, C: Counter> Whitted<S, C> {
+    #[inline(always)]
+    fn run(&self, thread: Thread) {
+        let Some((x, y, index)) = self.frame.pixel(thread) else { return };
+        // SAFETY: one thread a pixel.
+        let Some(mut pixel) = (unsafe { self.film.get(index) }) else { return };
+        let [first, end, count] = self.frame.samples;
+        let key = combine(combine(self.frame.seed, x), y);
+        let mut counter = C::default();
+        for sample in first..end {
+            let (dx, dy) = stratified(sample, count, key);
+            let ray = self.frame.camera.ray(x as f32 + dx, y as f32 + dy);
+            let (radiance, any) = trace(&self.structure, &self.scene, &self.limits, &ray, &mut counter);
+            pixel.radiance += radiance;
+            pixel.hits += any as u32 as f32;
+        }
+        // SAFETY: one thread a pixel.
+        unsafe { self.film.set(index, pixel) };
+        self.keep(index, counter.tests());
+    }
+
+    #[inline(always)]
+    fn keep(&self, index: u32, more: Tests) {
+        // SAFETY: one thread a pixel.
+        let Some(sum) = (unsafe { self.tests.get(index) }) else { return };
+        let sum = Tests {
+            nodes: sum.nodes.wrapping_add(more.nodes),
+            triangles: sum.triangles.wrapping_add(more.triangles),
+            rays: sum.rays.wrapping_add(more.rays),
+        };
+        // SAFETY: one thread a pixel.
+        unsafe { self.tests.set(index, sum) };
+    }
+}
+
+/// What the ray through a pixel's centre meets first: the layers beside the picture.
+#[repr(C, align(16))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surfel {
+    /// Distance along the ray in scene units; infinite for a miss.
+    pub depth: f32,
+    /// Texture coordinates.
+    pub uv: [f32; 2],
+    /// Index of the triangle, [`MISS`](crate::ray::MISS) for none.
+    pub primitive: u32,
+    /// Unit shading normal, on the side that is seen.
+    pub normal: Vec3,
+    /// Index of the material, [`MISS`](crate::ray::MISS) for none.
+    pub material: u32,
+    /// Diffuse colour with textures.
+    pub albedo: Vec3,
+    /// Makes 16 bytes.
+    pub unused: f32,
+    /// World position.
+    pub position: Vec3,
+    /// Coverage of the surface, 0 for a miss.
+    pub coverage: f32,
+}
+
+impl Surfel {
+    /// Nothing there.
+    pub const NONE: Self = Self {
+        depth: f32::INFINITY,
+        uv: [0.0; 2],
+        primitive: crate::ray::MISS,
+        normal: Vec3::ZERO,
+        material: crate::ray::MISS,
+        albedo: Vec3::ZERO,
+        unused: 0.0,
+        position: Vec3::ZERO,
+        coverage: 0.0,
+    };
+}
+
+/// Fills a surfel a pixel.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Surfels<S> {
+    /// Where to find hits.
+    pub structure: S,
+    /// What is there.
+    pub scene: Scene,
+    /// Which pixels.
+    pub frame: Frame,
+    /// One a pixel, written.
+    pub surfels: ViewMut<Surfel>,
+}
+
+impl<S: Structure> Surfels<S> {
+    #[inline(always)]
+    fn run(&self, thread: Thread) {
+        let Some((x, y, index)) = self.frame.pixel(thread) else { return };
+        let centre = pixel_centre(x, y);
+        let ray = self.frame.camera.ray(centre.x, centre.y);
+        let hit = visible(&self.structure, &self.scene, &ray, &START, &mut Uncounted);
+        // SAFETY: one thread a pixel.
+        unsafe { self.surfels.set(index, self.surfel(&ray, &hit)) };
+    }
+
+    #[inline(always)]
+    fn surfel(&self, ray: &Ray, hit: &Hit) -> Surfel {
+        if hit.is_miss() {
+            return Surfel::NONE;
+        }
+        let index = self.scene.primitives.load(hit.primitive).material;
+        let material = self.scene.materials.at(index);
+        let surface = self.scene.surface(ray, hit, &material);
+        Surfel {
+            depth: hit.t,
+            uv: surface.uv,
+            primitive: hit.primitive,
+            normal: surface.normal,
+            material: index,
+            albedo: material.diffuse * surface.tint,
+            unused: 0.0,
+            position: surface.point,
+            coverage: surface.coverage,
+        }
+    }
+}
+
+/// The closest hit of each ray of a batch.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Closest<S> {
+    /// Where to find hits.
+    pub structure: S,
+    /// The batch.
+    pub rays: View<Ray>,
+    /// One a ray, written.
+    pub hits: ViewMut<Hit>,
+}
+
+impl<S: Structure> Closest<S> {
+    #[inline(always)]
+    fn run(&self, thread: Thread) {
+        if thread.x < self.rays.len() {
+            let hit = closest(&self.structure, &self.rays.load(thread.x), &START, &mut Uncounted);
+            // SAFETY: one thread a ray.
+            unsafe { self.hits.set(thread.x, hit) };
+        }
+    }
+}
+
+/// Whether each ray of a batch is stopped before its end; every triangle counts as opaque.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Occluded<S> {
+    /// Where to find hits.
+    pub structure: S,
+    /// The batch.
+    pub rays: View<Ray>,
+    /// 0 or 1 a ray, written.
+    pub occluded: ViewMut<u32>,
+}
+
+impl<S: Structure> Occluded<S> {
+    #[inline(always)]
+    fn run(&self, thread: Thread) {
+        if thread.x < self.rays.len() {
+            let found = occlusion(&self.structure, &self.rays.load(thread.x), &mut Uncounted);
+            // SAFETY: one thread a ray.
+            unsafe { self.occluded.set(thread.x, (found != Occlusion::Clear) as u32) };
+        }
+    }
+}
+
+// Derived copies would ask the same of the marker types.
+impl<S: Copy, C> Clone for Whitted<S, C> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<S: Copy, C> Copy for Whitted<S, C> {}
+
+/// Gives `$use` the list of every kernel with the name of its entry point. The PTX has these and no others.
+#[macro_export]
+macro_rules! for_each_kernel {
+    ($use:ident) => {
+        $use! {
+            whitted_brute: $crate::kernels::Whitted<$crate::traverse::Brute, $crate::traverse::Uncounted>,
+            whitted_kd: $crate::kernels::Whitted<$crate::traverse::KdTree, $crate::traverse::Uncounted>,
+            whitted_bvh: $crate::kernels::Whitted<$crate::traverse::Bvh2, $crate::traverse::Uncounted>,
+            whitted_brute_counted: $crate::kernels::Whitted<$crate::traverse::Brute, $crate::traverse::Tests>,
+            whitted_kd_counted: $crate::kernels::Whitted<$crate::traverse::KdTree, $crate::traverse::Tests>,
+            whitted_bvh_counted: $crate::kernels::Whitted<$crate::traverse::Bvh2, $crate::traverse::Tests>,
+            surfels_brute: $crate::kernels::Surfels<$crate::traverse::Brute>,
+            surfels_kd: $crate::kernels::Surfels<$crate::traverse::KdTree>,
+            surfels_bvh: $crate::kernels::Surfels<$crate::traverse::Bvh2>,
+            closest_brute: $crate::kernels::Closest<$crate::traverse::Brute>,
+            closest_kd: $crate::kernels::Closest<$crate::traverse::KdTree>,
+            closest_bvh: $crate::kernels::Closest<$crate::traverse::Bvh2>,
+            occluded_brute: $crate::kernels::Occluded<$crate::traverse::Brute>,
+            occluded_kd: $crate::kernels::Occluded<$crate::traverse::KdTree>,
+            occluded_bvh: $crate::kernels::Occluded<$crate::traverse::Bvh2>,
+        }
+    };
+}
+
+macro_rules! implement {
+    ($($name:ident: $kernel:ty),* $(,)?) => {
+        $(impl Kernel for $kernel {
+            const NAME: &'static str = stringify!($name);
+            #[inline(always)]
+            fn thread(&self, thread: Thread) {
+                self.run(thread)
+            }
+        })*
+
+        /// Every entry point of the PTX.
+        pub const NAMES: &[&str] = &[$(stringify!($name)),*];
+    };
+}
+
+for_each_kernel!(implement);

@@ -1,0 +1,82 @@
+//! Rays and what they hit.
+
+use crate::math::{vec3, Vec3};
+
+/// The `primitive` of a miss.
+pub const MISS: u32 = u32::MAX;
+
+/// A half-line, or a piece of it: `origin + t direction` for `t_min <= t <= t_max`.
+///
+/// The direction need not be a unit vector; `t` is in units of its length. A ray with NaN anywhere hits nothing.
+#[repr(C, align(16))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where `t` is 0.
+    pub origin: Vec3,
+    /// Hits before this are ignored.
+    pub t_min: f32,
+    /// Where it goes.
+    pub direction: Vec3,
+    /// Hits behind this are ignored; may be infinite.
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// From `origin` to infinity.
+    #[inline(always)]
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, t_min: 0.0, direction, t_max: f32::INFINITY }
+    }
+
+    /// The point at `t`.
+    #[inline(always)]
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.direction.mul_add(t, self.origin)
+    }
+
+    /// One over each component of the direction, always finite: a component too small to divide by counts as
+    /// 2^-80 of its sign, so that a plane through the origin is reached at 0 and never at NaN.
+    #[inline(always)]
+    pub fn inverse_direction(&self) -> Vec3 {
+        let d = self.direction;
+        vec3(finite_inverse(d.x), finite_inverse(d.y), finite_inverse(d.z))
+    }
+}
+
+#[inline(always)]
+fn finite_inverse(x: f32) -> f32 {
+    const SMALLEST: f32 = f32::from_bits((127 - 80) << 23);
+    1.0 / if x.abs() < SMALLEST { SMALLEST.copysign(x) } else { x }
+}
+
+/// Where a ray meets a triangle. A miss has `t = inf` and `primitive = `[`MISS`].
+#[repr(C, align(16))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Distance in units of the ray's direction.
+    pub t: f32,
+    /// Barycentric weight of vertex 1.
+    pub u: f32,
+    /// Barycentric weight of vertex 2; vertex 0 weighs `1 - u - v`.
+    pub v: f32,
+    /// Index of the triangle in the scene.
+    pub primitive: u32,
+}
+
+impl Hit {
+    /// Nothing was hit.
+    pub const NONE: Self = Self { t: f32::INFINITY, u: 0.0, v: 0.0, primitive: MISS };
+
+    /// Whether nothing was hit.
+    #[inline(always)]
+    pub fn is_miss(&self) -> bool {
+        self.primitive == MISS
+    }
+
+    /// Whether this comes before `other` along the ray. Of two at the same `t` the smaller primitive is first, so
+    /// that every structure and machine picks the same.
+    #[inline(always)]
+    pub fn precedes(&self, other: &Hit) -> bool {
+        self.t < other.t || (self.t == other.t && self.primitive < other.primitive)
+    }
+}

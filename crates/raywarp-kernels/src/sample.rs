@@ -1,0 +1,108 @@
+//! Random numbers by key: the same for a pixel and a sample on every machine, whoever computes them and when.
+
+/// A well-mixed 32-bit hash (the finaliser found by Wellons' hash prospector, bias 0.17).
+#[inline(always)]
+pub fn hash(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x7feb_352d);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x846c_a68b);
+    x ^ x >> 16
+}
+
+/// A key from two.
+#[inline(always)]
+pub fn combine(a: u32, b: u32) -> u32 {
+    hash(a ^ hash(b).wrapping_add(0x9e37_79b9))
+}
+
+/// The bits as a number in [0, 1).
+#[inline(always)]
+pub fn unit(bits: u32) -> f32 {
+    (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+}
+
+/// Where `index` goes in a random order of `0..len`, chosen by `key`.
+///
+/// Steps that can be undone within the next power of two mix the index; what falls beyond `len` goes round again
+/// (cycle walking), so the whole is a permutation.
+#[inline(always)]
+fn permute(index: u32, len: u32, key: u32) -> u32 {
+    let mask = len.next_power_of_two() - 1;
+    let half = (32 - mask.leading_zeros()).div_ceil(2);
+    let mut i = index;
+    loop {
+        for round in 0..3 {
+            let mixer = hash(key.wrapping_add(round));
+            i = i.wrapping_mul(mixer | 1).wrapping_add(mixer >> 16) & mask;
+            i ^= i >> half;
+        }
+        if i < len {
+            return i;
+        }
+    }
+}
+
+/// Sample `index` of `count` in the unit square: correlated multi-jittered (Kensler 2013).
+///
+/// The samples of one key fall one in each cell of a near-square grid, and one in each of `count` columns and rows.
+/// A single sample is the centre, so that a picture of one sample a pixel is not jagged at random.
+#[inline(always)]
+pub fn stratified(index: u32, count: u32, key: u32) -> (f32, f32) {
+    if count <= 1 {
+        return (0.5, 0.5);
+    }
+    let columns = crate::arch::max(crate::arch::floor(crate::arch::sqrt(count as f32)), 1.0) as u32;
+    let rows = count.div_ceil(columns);
+    let index = permute(index, count, combine(key, 1));
+    let (column, row) = (index % columns, index / columns);
+    let shuffled_column = permute(column, columns, combine(key, 2));
+    let shuffled_row = permute(row, rows, combine(key, 3));
+    let jitter_x = unit(combine(index, combine(key, 4)));
+    let jitter_y = unit(combine(index, combine(key, 5)));
+    (
+        (shuffled_column as f32 + (shuffled_row as f32 + jitter_x) / rows as f32) / columns as f32,
+        (row as f32 + (shuffled_column as f32 + jitter_y) / columns as f32) / rows as f32,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn permutations_are_permutations() {
+        for len in 1..70 {
+            for key in [0, 1, 77, 0xdead_beef] {
+                let mut seen = vec![false; len as usize];
+                (0..len).for_each(|i| seen[permute(i, len, key) as usize] = true);
+                assert!(seen.iter().all(|&s| s), "len {len} key {key}");
+            }
+        }
+    }
+
+    #[test]
+    fn samples_are_stratified_in_cells_and_in_both_projections() {
+        for key in 0..50 {
+            let points: Vec<_> = (0..16).map(|i| stratified(i, 16, hash(key))).collect();
+            for project in [|(x, _): (f32, f32)| (x * 16.0) as usize, |(_, y): (f32, f32)| (y * 16.0) as usize] {
+                let mut seen = [0; 16];
+                points.iter().for_each(|&p| seen[project(p)] += 1);
+                assert_eq!(seen, [1; 16], "key {key}");
+            }
+            let mut cells = [0; 16];
+            points.iter().for_each(|&(x, y)| cells[(x * 4.0) as usize + 4 * (y * 4.0) as usize] += 1);
+            assert_eq!(cells, [1; 16], "key {key}");
+        }
+    }
+
+    #[test]
+    fn any_count_stays_inside_the_pixel() {
+        for count in 1..40 {
+            for index in 0..count {
+                let (x, y) = stratified(index, count, combine(9, count));
+                assert!((0.0..1.0).contains(&x) && (0.0..1.0).contains(&y), "{index} of {count}: {x} {y}");
+            }
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! What a ray brings back.
+
+pub mod optics;
+pub mod whitted;

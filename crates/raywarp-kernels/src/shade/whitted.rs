@@ -1,0 +1,235 @@
+//! The paper's shading: Phong's illumination and normals, shadows, and Whitted's mirrors and glass.
+//!
+//! Where the paper calls itself for each mirrored and refracted ray, [`trace`] keeps the branches in a small stack and
+//! adds up the same contributions.
+
+use super::optics::{fresnel, reflect, refract, schlick};
+use crate::arch;
+use crate::light::Illumination;
+use crate::material::{flags, Material};
+use crate::math::{mix, power, Vec3};
+use crate::ray::{Hit, Ray};
+use crate::stack::Stack;
+use crate::surface::{Scene, Surface};
+use crate::texture::NO_TEXTURE;
+use crate::traverse::{closest, occlusion, Counter, Occlusion, Structure, START};
+
+/// Most bounces that can be asked for.
+pub const MAX_DEPTH: u32 = 16;
+
+/// Rays that can wait. Mirrored and refracted rays alone need [`MAX_DEPTH`]; layers of partly covered mirrors in front
+/// of each other may need more, and a branch beyond the last place is lost.
+const BRANCHES: usize = 24;
+
+/// Below this weight what lies behind layers of partial coverage is not followed: a quarter of an 8-bit step.
+const FAINT: f32 = 1.0 / 1024.0;
+
+/// What shading may do.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Bounces after the camera ray, at most [`MAX_DEPTH`].
+    pub depth: u32,
+    /// 0: every light reaches everything.
+    pub shadows: u32,
+}
+
+/// A ray yet to be followed.
+#[derive(Clone, Copy)]
+struct Branch {
+    ray: Ray,
+    /// What its radiance counts.
+    weight: Vec3,
+    depth: u32,
+}
+
+/// One picture's worth of shading: where to trace, what is there, what is allowed.
+struct Tracer<'a, S, C> {
+    structure: &'a S,
+    scene: &'a Scene,
+    limits: &'a Limits,
+    counter: &'a mut C,
+}
+
+/// Radiance along a camera ray, and whether it hit anything.
+#[inline(always)]
+pub fn trace<S: Structure, C: Counter>(
+    structure: &S,
+    scene: &Scene,
+    limits: &Limits,
+    ray: &Ray,
+    counter: &mut C,
+) -> (Vec3, bool) {
+    let mut tracer = Tracer { structure, scene, limits, counter };
+    let mut waiting = Stack::<Branch, BRANCHES>::new();
+    let mut branch = Branch { ray: *ray, weight: Vec3::ONE, depth: 0 };
+    let (mut radiance, mut previous, mut any) = (Vec3::ZERO, START, false);
+    loop {
+        let hit = tracer.visible(&branch.ray, &previous);
+        if hit.is_miss() {
+            radiance += branch.weight * scene.background.radiance(branch.ray.direction);
+        } else {
+            any = true;
+            let material = scene.material(hit.primitive);
+            let surface = scene.surface(&branch.ray, &hit, &material);
+            let weight = branch.weight * surface.coverage;
+            radiance += weight * tracer.local(&branch.ray, &surface, &material);
+            if branch.depth < limits.depth {
+                scatter(&branch, weight, &surface, &material, &mut waiting);
+            }
+            // Go on straight behind a surface that covers only part.
+            branch.weight = branch.weight * (1.0 - surface.coverage);
+            previous = hit;
+            if branch.weight.max_abs() > FAINT {
+                continue;
+            }
+        }
+        match waiting.pop() {
+            Some(next) => (branch, previous) = (next, START),
+            None => return (radiance, any),
+        }
+    }
+}
+
+impl<S: Structure, C: Counter> Tracer<'_, S, C> {
+    /// The first hit after `previous` that is not in a hole.
+    #[inline(always)]
+    fn visible(&mut self, ray: &Ray, previous: &Hit) -> Hit {
+        visible(self.structure, self.scene, ray, previous, self.counter)
+    }
+
+    /// What the surface itself sends towards the viewer: Phong's sum over the lights, and its own light.
+    #[inline(always)]
+    fn local(&mut self, ray: &Ray, surface: &Surface, material: &Material) -> Vec3 {
+        let diffuse = material.diffuse * surface.tint;
+        if material.flags & flags::UNLIT != 0 {
+            return diffuse;
+        }
+        let [u, v] = surface.uv;
+        let textures = &self.scene.textures;
+        let map = |index: u32| if index == NO_TEXTURE { Vec3::ONE } else { textures.sample(index, u, v).color };
+        let specular = material.specular * map(material.specular_map);
+        let mut sum = material.emission * map(material.emission_map);
+        sum += material.ambient * surface.tint * self.scene.ambient;
+        for index in 0..self.scene.lights.len() {
+            let light = self.scene.lights.at(index).at(surface.point);
+            let cosine = light.towards.dot(surface.normal);
+            if light.color.is_zero() || cosine <= 0.0 || light.towards.dot(surface.geometric) <= 0.0 {
+                continue;
+            }
+            let mirrored = reflect(ray.direction, surface.normal);
+            let highlight = power(arch::max(mirrored.dot(light.towards), 0.0), material.shininess);
+            let answer = diffuse.mul_add(cosine, specular * highlight);
+            if !answer.is_zero() {
+                sum += answer * light.color * self.transmittance(surface, &light);
+            }
+        }
+        sum
+    }
+
+    /// The share of a light that reaches the surface: all, none, or what surfaces in between let through.
+    #[inline(always)]
+    fn transmittance(&mut self, surface: &Surface, light: &Illumination) -> Vec3 {
+        if self.limits.shadows == 0 {
+            return Vec3::ONE;
+        }
+        let origin = surface.start(1.0);
+        let t_max = if light.distance < f32::INFINITY { light.distance } else { f32::INFINITY };
+        let ray = Ray { origin, t_min: 0.0, direction: light.towards, t_max };
+        match occlusion(self.structure, &ray, self.counter) {
+            Occlusion::Clear => Vec3::ONE,
+            Occlusion::Blocked => Vec3::ZERO,
+            Occlusion::Filtered => self.filter(&ray),
+        }
+    }
+
+    /// What a shadow ray that meets nothing opaque brings through, surface by surface.
+    #[inline(always)]
+    fn filter(&mut self, ray: &Ray) -> Vec3 {
+        let (mut share, mut previous) = (Vec3::ONE, START);
+        while share.max_abs() > FAINT {
+            previous = closest(self.structure, ray, &previous, self.counter);
+            if previous.is_miss() {
+                return share;
+            }
+            let material = self.scene.material(previous.primitive);
+            let coverage = self.scene.coverage(&previous, &material);
+            share = share * mix(Vec3::ONE, material.transmission, coverage);
+        }
+        Vec3::ZERO
+    }
+}
+
+/// The first hit after `previous` that is not in a hole of a masked surface.
+#[inline(always)]
+pub fn visible<S: Structure>(
+    structure: &S,
+    scene: &Scene,
+    ray: &Ray,
+    previous: &Hit,
+    counter: &mut impl Counter,
+) -> Hit {
+    let mut hit = *previous;
+    loop {
+        hit = closest(structure, ray, &hit, counter);
+        if hit.is_miss() {
+            return hit;
+        }
+        let material = scene.material(hit.primitive);
+        if material.flags & flags::MASK == 0 || scene.coverage(&hit, &material) > 0.0 {
+            return hit;
+        }
+    }
+}
+
+/// Puts the mirrored and the refracted ray aside, each with its share of `weight`.
+#[inline(always)]
+fn scatter(
+    branch: &Branch,
+    weight: Vec3,
+    surface: &Surface,
+    material: &Material,
+    waiting: &mut Stack<Branch, BRANCHES>,
+) {
+    let transparent = !material.transmission.is_zero();
+    if material.reflection.is_zero() && !transparent {
+        return;
+    }
+    let direction = branch.ray.direction;
+    let eta = if surface.outside { 1.0 / material.ior } else { material.ior };
+    let cosine = -direction.dot(surface.normal);
+    let refracted = if transparent { refract(direction, surface.normal, eta) } else { None };
+    let share = if transparent && refracted.is_none() {
+        1.0
+    } else if material.flags & flags::FRESNEL == 0 {
+        0.0
+    } else if transparent && material.ior != 1.0 {
+        fresnel(cosine, eta)
+    } else {
+        schlick(cosine)
+    };
+    let mut wait = |direction: Vec3, side: f32, weight: Vec3| {
+        // A bent or interpolated normal may send the ray to the wrong side of the flat triangle: start on its side.
+        let above = direction.dot(surface.geometric) * side > 0.0;
+        if above && !weight.is_zero() {
+            let ray = Ray::new(surface.start(side), direction.normalize());
+            waiting.push(Branch { ray, weight, depth: branch.depth + 1 });
+        }
+    };
+    if let Some(refracted) = refracted {
+        wait(refracted, -1.0, weight * material.transmission * (1.0 - share));
+    }
+    let mirrored = weight * mix(material.reflection, Vec3::ONE, share);
+    wait(mirror(direction, surface), 1.0, mirrored);
+}
+
+/// The mirror direction; about the flat normal where the shading normal would send it into the surface.
+#[inline(always)]
+fn mirror(direction: Vec3, surface: &Surface) -> Vec3 {
+    let mirrored = reflect(direction, surface.normal);
+    if mirrored.dot(surface.geometric) > 0.0 {
+        mirrored
+    } else {
+        reflect(direction, surface.geometric)
+    }
+}

@@ -1,0 +1,26 @@
+//! Every triangle, for every ray: the paper's first version, and the oracle of all others.
+
+use super::{Counter, Structure};
+use crate::ray::Ray;
+use crate::triangle::Triangle;
+use crate::view::View;
+
+/// All triangles in a row.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Brute {
+    /// In the order of the scene.
+    pub triangles: View<Triangle>,
+}
+
+impl Structure for Brute {
+    #[inline(always)]
+    fn traverse(&self, ray: &Ray, counter: &mut impl Counter, mut visit: impl FnMut(&Triangle) -> f32) {
+        for index in 0..self.triangles.len() {
+            counter.triangle();
+            if visit(&self.triangles.load(index)) < ray.t_min {
+                return;
+            }
+        }
+    }
+}

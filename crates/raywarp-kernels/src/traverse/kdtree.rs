@@ -1,0 +1,174 @@
+//! A k-d tree in a flat array, traversed with a stack (the paper's structure).
+
+use crate::stack::Stack;
+use super::{Counter, Structure};
+use crate::arch;
+use crate::math::Vec3;
+use crate::ray::Ray;
+use crate::triangle::Triangle;
+use crate::view::View;
+
+/// Levels that a tree may have: builders keep to it and `validate` checks it, so the stack cannot overflow.
+pub const MAX_DEPTH: usize = 48;
+
+/// Eight bytes: an inner node or a leaf.
+///
+/// The two low bits of `link` are the split axis (0 to 2) or 3 for a leaf. The others are, for an inner node, the index
+/// of the child below the plane, which the child above follows; for a leaf, its number of references.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Node {
+    /// Bits of the split plane's coordinate, or index of the leaf's first reference.
+    value: u32,
+    link: u32,
+}
+
+/// Most nodes, and most references of a leaf.
+pub const MAX_LINK: u32 = (1 << 30) - 1;
+
+impl Node {
+    /// Splits at `plane` on `axis`; `below` and `below + 1` are the children.
+    pub const fn inner(axis: u32, plane: f32, below: u32) -> Self {
+        Self { value: plane.to_bits(), link: below << 2 | axis }
+    }
+
+    /// Holds `count` references from `first` on.
+    pub const fn leaf(first: u32, count: u32) -> Self {
+        Self { value: first, link: count << 2 | 3 }
+    }
+
+    /// Whether this is a leaf.
+    #[inline(always)]
+    pub const fn is_leaf(self) -> bool {
+        self.link & 3 == 3
+    }
+
+    /// Split axis of an inner node.
+    #[inline(always)]
+    pub const fn axis(self) -> u32 {
+        self.link & 3
+    }
+
+    /// Split plane of an inner node.
+    #[inline(always)]
+    pub const fn plane(self) -> f32 {
+        f32::from_bits(self.value)
+    }
+
+    /// Child below the plane of an inner node.
+    #[inline(always)]
+    pub const fn below(self) -> u32 {
+        self.link >> 2
+    }
+
+    /// First reference of a leaf.
+    #[inline(always)]
+    pub const fn first(self) -> u32 {
+        self.value
+    }
+
+    /// Number of references of a leaf.
+    #[inline(always)]
+    pub const fn count(self) -> u32 {
+        self.link >> 2
+    }
+}
+
+/// The tree. Node 0 is the root; there always is one.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct KdTree {
+    /// Inner nodes and leaves.
+    pub nodes: View<Node>,
+    /// Indices into `triangles`, a run a leaf; a triangle that touches several leaves is in all of them.
+    pub references: View<u32>,
+    /// In the order of the scene.
+    pub triangles: View<Triangle>,
+    /// Low corner of the bounds of all triangles.
+    pub low: Vec3,
+    /// High corner.
+    pub high: Vec3,
+}
+
+/// A cell put aside: its node and the piece of the ray inside it.
+#[derive(Clone, Copy)]
+struct Cell {
+    node: u32,
+    first: f32,
+    last: f32,
+}
+
+/// Distances to planes are right to two roundings: intervals of neighbouring cells overlap by a few.
+const SLACK: f32 = 8.0 / 16_777_216.0;
+
+#[inline(always)]
+fn earlier(t: f32) -> f32 {
+    arch::fma(t.abs(), -SLACK, t)
+}
+
+#[inline(always)]
+fn later(t: f32) -> f32 {
+    arch::fma(t.abs(), SLACK, t)
+}
+
+impl Structure for KdTree {
+    #[inline(always)]
+    fn traverse(&self, ray: &Ray, counter: &mut impl Counter, mut visit: impl FnMut(&Triangle) -> f32) {
+        let inverse = ray.inverse_direction();
+        let Some((mut first, mut last)) = self.clip(ray, inverse) else { return };
+        let mut stack = Stack::<Cell, MAX_DEPTH>::new();
+        let (mut index, mut t_far) = (0, ray.t_max);
+        loop {
+            counter.node();
+            let node = self.nodes.at(index);
+            if !node.is_leaf() {
+                // Near child first; the far one waits, unless the ray stays on one side of the plane.
+                let axis = node.axis();
+                let (origin, slope) = (ray.origin[axis], inverse[axis]);
+                let t = (node.plane() - origin) * slope;
+                let below_is_near = slope > 0.0;
+                let near = node.below() + !below_is_near as u32;
+                let far = node.below() + below_is_near as u32;
+                if earlier(t) > last {
+                    index = near;
+                } else if later(t) < first {
+                    index = far;
+                } else {
+                    stack.push(Cell { node: far, first: arch::max(first, earlier(t)), last });
+                    last = arch::min(last, later(t));
+                    index = near;
+                }
+                continue;
+            }
+            for reference in node.first()..node.first() + node.count() {
+                counter.triangle();
+                t_far = visit(&self.triangles.load(self.references.at(reference)));
+                if t_far < ray.t_min {
+                    return;
+                }
+            }
+            // Early exit: what waits on the stack lies behind this cell, so a hit inside it is the nearest.
+            match stack.pop() {
+                Some(cell) if later(t_far) >= cell.first => {
+                    (index, first, last) = (cell.node, cell.first, cell.last)
+                }
+                _ => return,
+            }
+        }
+    }
+}
+
+impl KdTree {
+    /// The piece of the ray inside the bounds.
+    #[inline(always)]
+    fn clip(&self, ray: &Ray, inverse: Vec3) -> Option<(f32, f32)> {
+        let a = (self.low - ray.origin) * inverse;
+        let b = (self.high - ray.origin) * inverse;
+        let (low, high) = (a.min(b), a.max(b));
+        let first = arch::max(arch::max(low.x, low.y), arch::max(low.z, ray.t_min));
+        let last = arch::min(arch::min(high.x, high.y), arch::min(high.z, ray.t_max));
+        (earlier(first) <= later(last)).then_some((earlier(first), later(last)))
+    }
+}
+
+const _: () = assert!(core::mem::size_of::<Node>() == 8);

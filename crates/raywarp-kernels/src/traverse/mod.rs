@@ -1,0 +1,143 @@
+//! Finding what a ray hits: three structures, one way to ask.
+//!
+//! A [`Structure`] hands every triangle that may matter to a visitor, roughly near to far, and the visitor answers how
+//! far the ray is still of interest. Every query is a few lines on top of that. The answer depends on the triangles
+//! alone, never on the structure: ties go to the smaller primitive, see [`Hit::precedes`].
+
+pub mod brute;
+pub mod bvh2;
+pub mod kdtree;
+
+use crate::ray::{Hit, Ray, MISS};
+use crate::triangle::{flags, Triangle};
+
+pub use brute::Brute;
+pub use bvh2::Bvh2;
+pub use kdtree::KdTree;
+
+/// Answer of a visitor that has seen enough: no distance is left.
+pub const ENOUGH: f32 = f32::NEG_INFINITY;
+
+/// Something that holds triangles and finds those along a ray.
+pub trait Structure: Copy {
+    /// Calls `visit` with each triangle that the ray might meet between its `t_min` and the distance that the last
+    /// call returned, at first its `t_max`. A triangle may come more than once.
+    fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visit: impl FnMut(&Triangle) -> f32);
+}
+
+/// What traversal did, if anyone wants to know: [`Uncounted`] costs nothing.
+pub trait Counter: Copy + Default {
+    /// A node was visited.
+    fn node(&mut self);
+    /// A triangle was tested.
+    fn triangle(&mut self);
+    /// A ray was traced.
+    fn ray(&mut self);
+    /// The counts so far; zero where none are kept.
+    fn tests(&self) -> Tests;
+}
+
+/// Nobody wants to know.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Uncounted;
+
+impl Counter for Uncounted {
+    #[inline(always)]
+    fn node(&mut self) {}
+    #[inline(always)]
+    fn triangle(&mut self) {}
+    #[inline(always)]
+    fn ray(&mut self) {}
+    #[inline(always)]
+    fn tests(&self) -> Tests {
+        Tests::default()
+    }
+}
+
+/// What the rays of a pixel cost.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tests {
+    /// Nodes visited.
+    pub nodes: u32,
+    /// Ray-triangle tests, repeated ones included.
+    pub triangles: u32,
+    /// Rays of all kinds.
+    pub rays: u32,
+}
+
+impl Counter for Tests {
+    #[inline(always)]
+    fn node(&mut self) {
+        self.nodes += 1;
+    }
+    #[inline(always)]
+    fn triangle(&mut self) {
+        self.triangles += 1;
+    }
+    #[inline(always)]
+    fn ray(&mut self) {
+        self.rays += 1;
+    }
+    #[inline(always)]
+    fn tests(&self) -> Tests {
+        *self
+    }
+}
+
+/// The first hit within the ray's limits that comes after `previous` (see [`Hit::precedes`]).
+///
+/// Stepping from hit to hit needs no epsilon: nothing is met twice and nothing is skipped, however close. Give
+/// [`START`] for the first.
+#[inline(always)]
+pub fn closest(structure: &impl Structure, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
+    counter.ray();
+    let ray = Ray { t_min: crate::arch::max(ray.t_min, previous.t), ..*ray };
+    let mut best = Hit { t: ray.t_max, ..Hit::NONE };
+    structure.traverse(&ray, counter, |triangle| {
+        if let Some(hit) = triangle.intersect(&ray) {
+            if hit.t >= ray.t_min && hit.precedes(&best) && previous.precedes(&hit) {
+                best = hit;
+            }
+        }
+        best.t
+    });
+    if best.is_miss() {
+        best.t = f32::INFINITY;
+    }
+    best
+}
+
+/// Before every hit.
+pub const START: Hit = Hit { t: f32::NEG_INFINITY, u: 0.0, v: 0.0, primitive: MISS };
+
+/// What stands between the ends of a shadow ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Occlusion {
+    /// Nothing.
+    Clear,
+    /// Only triangles that may let light through: [`closest`] has to look at each.
+    Filtered,
+    /// Something opaque.
+    Blocked,
+}
+
+/// Whether anything stands within the ray's limits, in any order.
+#[inline(always)]
+pub fn occlusion(structure: &impl Structure, ray: &Ray, counter: &mut impl Counter) -> Occlusion {
+    counter.ray();
+    let mut found = Occlusion::Clear;
+    structure.traverse(ray, counter, |triangle| {
+        if let Some(hit) = triangle.intersect(ray) {
+            if hit.t >= ray.t_min && hit.t <= ray.t_max {
+                if triangle.flags & (flags::CUTOUT | flags::TRANSPARENT) == 0 {
+                    found = Occlusion::Blocked;
+                    return ENOUGH;
+                }
+                found = Occlusion::Filtered;
+            }
+        }
+        ray.t_max
+    });
+    found
+}

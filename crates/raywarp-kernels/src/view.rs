@@ -1,0 +1,132 @@
+//! Arrays in the memory of the device that runs the kernel.
+
+/// Read-only array: an address and a length, the same on host and device.
+#[repr(C)]
+#[derive(Debug)]
+pub struct View<T> {
+    address: *const T,
+    len: u32,
+}
+
+impl<T> Clone for View<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for View<T> {}
+
+// SAFETY: a view is a shared borrow of plain data, whose lifetime whoever launches a kernel vouches for.
+unsafe impl<T: Sync> Send for View<T> {}
+// SAFETY: as above.
+unsafe impl<T: Sync> Sync for View<T> {}
+
+impl<T: Copy> View<T> {
+    /// No items.
+    pub const EMPTY: Self = Self { address: core::ptr::null(), len: 0 };
+
+    /// The array at an address of the device.
+    ///
+    /// # Safety
+    /// `len` valid items lie there, and outlive every launch that the view is given to, unwritten. Whoever fills them
+    /// vouches for the indices among them: kernels follow links without looking, so a structure is `validate`d first.
+    pub unsafe fn new(address: *const T, len: u32) -> Self {
+        Self { address, len }
+    }
+
+    /// Number of items.
+    #[inline(always)]
+    pub fn len(&self) -> u32 {
+        self.len
+    }
+
+    /// Whether there are no items.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The item at `index`, which whoever made the view vouches to be in range.
+    #[inline(always)]
+    pub fn at(&self, index: u32) -> T {
+        debug_assert!(index < self.len, "index {index} of {}", self.len);
+        // SAFETY: `new` was promised valid items and that indices are in range.
+        unsafe { *self.address.add(index as usize) }
+    }
+
+    /// As [`at`](Self::at), by 128-bit loads; for items of 16-byte granules whose every bit pattern is valid.
+    #[inline(always)]
+    pub fn load(&self, index: u32) -> T {
+        debug_assert!(index < self.len, "index {index} of {}", self.len);
+        // SAFETY: as for `at`; `arch::load` checks the granules when it is compiled.
+        unsafe { crate::arch::load(self.address.add(index as usize)) }
+    }
+}
+
+/// Writable array, of which each thread writes only its own items.
+#[repr(C)]
+#[derive(Debug)]
+pub struct ViewMut<T> {
+    address: *mut T,
+    len: u32,
+}
+
+impl<T> Clone for ViewMut<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for ViewMut<T> {}
+
+// SAFETY: threads touch disjoint items, as every kernel promises, so sharing the array is sharing nothing.
+unsafe impl<T: Send> Send for ViewMut<T> {}
+// SAFETY: as above.
+unsafe impl<T: Send> Sync for ViewMut<T> {}
+
+impl<T: Copy> ViewMut<T> {
+    /// No items: what is written is dropped.
+    pub const EMPTY: Self = Self { address: core::ptr::null_mut(), len: 0 };
+
+    /// The array at an address of the device.
+    ///
+    /// # Safety
+    /// `len` valid items lie there, and outlive every launch that the view is given to, touched by nothing else.
+    pub unsafe fn new(address: *mut T, len: u32) -> Self {
+        Self { address, len }
+    }
+
+    /// Number of items.
+    #[inline(always)]
+    pub fn len(&self) -> u32 {
+        self.len
+    }
+
+    /// Whether there are no items.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The item at `index`, or nothing beyond the end.
+    ///
+    /// # Safety
+    /// No other thread of the launch touches this index.
+    #[inline(always)]
+    pub unsafe fn get(&self, index: u32) -> Option<T> {
+        // SAFETY: in range; exclusive by the caller's promise.
+        (index < self.len).then(|| unsafe { *self.address.add(index as usize) })
+    }
+
+    /// Writes the item at `index`; nothing beyond the end.
+    ///
+    /// # Safety
+    /// No other thread of the launch touches this index.
+    #[inline(always)]
+    pub unsafe fn set(&self, index: u32, value: T) {
+        if index < self.len {
+            // SAFETY: in range; exclusive by the caller's promise.
+            unsafe { self.address.add(index as usize).write(value) }
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! The PTX entry points: one a kernel of `raywarp-kernels`, and nothing else.
+#![no_std]
+#![feature(abi_ptx)]
+
+use raywarp_kernels::arch;
+use raywarp_kernels::kernels::Kernel;
+
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo) -> ! {
+    loop {}
+}
+
+macro_rules! entry_points {
+    ($($name:ident: $kernel:ty),* $(,)?) => {$(
+        /// # Safety
+        /// The views in the parameter block are those that the host made for this launch.
+        #[no_mangle]
+        pub unsafe extern "ptx-kernel" fn $name(kernel: $kernel) {
+            kernel.thread(arch::thread())
+        }
+    )*};
+}
+
+raywarp_kernels::for_each_kernel!(entry_points);
