@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use raywarp_kernels::kernels::{Kernel, Thread};
 use rayon::prelude::*;
+use raywarp_kernels::kernels::{Kernel, Thread};
 
 /// Columns and rows that one task computes: neighbours meet the same nodes.
 const TILE: [u32; 2] = [16, 8];
