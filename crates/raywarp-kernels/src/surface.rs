@@ -158,7 +158,11 @@ impl Scene {
             coverage *= self.textures.sample(material.opacity_map, uv[0], uv[1]).color.x;
         }
         let coverage = if material.flags & flags::MASK != 0 {
-            if coverage >= material.cutoff { 1.0 } else { 0.0 }
+            if coverage >= material.cutoff {
+                1.0
+            } else {
+                0.0
+            }
         } else if material.flags & flags::BLEND != 0 {
             crate::math::clamp(coverage, 0.0, 1.0)
         } else {

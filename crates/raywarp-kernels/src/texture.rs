@@ -193,7 +193,16 @@ mod tests {
     fn sample(mode: u32, u: f32) -> Texel {
         let texels = [0x0000_0000u32, 0xffff_ffff];
         let row = |x: f32, y: f32| Vec3::new(x, y, 0.0);
-        let list = [Texture { first: 0, width: 2, height: 1, mode, u_row: row(1.0, 0.0), v_row: row(0.0, 1.0), base: 0.0, gain: 1.0 }];
+        let list = [Texture {
+            first: 0,
+            width: 2,
+            height: 1,
+            mode,
+            u_row: row(1.0, 0.0),
+            v_row: row(0.0, 1.0),
+            base: 0.0,
+            gain: 1.0,
+        }];
         // SAFETY: the arrays outlive the sampling below.
         let textures = unsafe {
             Textures { list: View::new(list.as_ptr(), 1), texels: View::new(texels.as_ptr(), 2), decode: View::EMPTY }
