@@ -99,6 +99,8 @@ impl Surfels<'_> {
 
 #[cfg(test)]
 mod tests {
+    use ::exr::prelude::{ReadChannels, ReadLayers};
+
     use super::*;
 
     #[test]
