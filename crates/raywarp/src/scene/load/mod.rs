@@ -6,7 +6,10 @@ mod images;
 mod mtl;
 mod obj;
 mod ply;
+mod quote;
+mod repair;
 mod source;
+mod text;
 mod toml;
 
 use std::path::Path;
