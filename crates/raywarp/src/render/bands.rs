@@ -89,7 +89,8 @@ mod tests {
 
     #[test]
     fn every_sample_of_every_pixel_is_taken_once_and_in_order() {
-        for (extent, spp, seconds) in [([7, 5], 1, 0.1), ([640, 100], 9, 0.4), ([33, 17], 1000, 3.0), ([1, 1], 1, 0.0)] {
+        for (extent, spp, seconds) in [([7, 5], 1, 0.1), ([640, 100], 9, 0.4), ([33, 17], 1000, 3.0), ([1, 1], 1, 0.0)]
+        {
             let window = Window { origin: [3, 4], extent };
             let mut bands = Bands::new(window, spp, false);
             let mut next_sample = vec![0; extent[1] as usize];

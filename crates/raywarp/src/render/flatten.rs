@@ -55,7 +55,9 @@ impl Flat {
         let turn = cofactors(linear) * linear.determinant().signum();
         match mesh.normals.is_empty() {
             true => self.normals.resize(self.positions.len(), math::Vec3::ZERO),
-            false => self.normals.extend(mesh.normals.iter().map(|&n| world((turn * Vec3::from(n)).normalize_or_zero()))),
+            false => {
+                self.normals.extend(mesh.normals.iter().map(|&n| world((turn * Vec3::from(n)).normalize_or_zero())))
+            }
         }
         let handed = linear.determinant().signum();
         self.tangents.extend(mesh.tangents.iter().map(|&[x, y, z, w]| {
@@ -114,7 +116,9 @@ fn check<'a>(scene: &'a Scene, instance: &Instance) -> Result<&'a Mesh, RenderEr
         return Err(wrong("a vertex index"));
     }
     let materials = mesh.materials.iter().chain(&instance.material);
-    if mesh.materials.len() != mesh.triangles.len() || materials.into_iter().any(|&m| m as usize >= scene.materials.len()) {
+    if mesh.materials.len() != mesh.triangles.len()
+        || materials.into_iter().any(|&m| m as usize >= scene.materials.len())
+    {
         return Err(wrong("a material index"));
     }
     Ok(mesh)
@@ -123,11 +127,12 @@ fn check<'a>(scene: &'a Scene, instance: &Instance) -> Result<&'a Mesh, RenderEr
 /// Low and high corner of all triangles; both zero where there are none.
 pub(super) fn bounds(triangles: &[Triangle]) -> [[f32; 3]; 2] {
     let corners = triangles.iter().flat_map(|t| [t.v0, t.v1, t.v2]);
-    corners.fold(None, |bounds, v| match bounds {
-        None => Some((v, v)),
-        Some((low, high)) => Some((v.min(low), v.max(high))),
-    })
-    .map_or([[0.0; 3]; 2], |(low, high): (math::Vec3, math::Vec3)| [low.to_array(), high.to_array()])
+    corners
+        .fold(None, |bounds, v| match bounds {
+            None => Some((v, v)),
+            Some((low, high)) => Some((v.min(low), v.max(high))),
+        })
+        .map_or([[0.0; 3]; 2], |(low, high): (math::Vec3, math::Vec3)| [low.to_array(), high.to_array()])
 }
 
 #[cfg(test)]
@@ -144,7 +149,12 @@ mod tests {
             ..Mesh::default()
         };
         let instance = Instance { name: "i".into(), mesh: 0, transform, material: None };
-        Scene { meshes: vec![mesh], instances: vec![instance], materials: vec![Material::default()], ..Scene::default() }
+        Scene {
+            meshes: vec![mesh],
+            instances: vec![instance],
+            materials: vec![Material::default()],
+            ..Scene::default()
+        }
     }
 
     fn scaled(x: f32, y: f32, z: f32) -> Transform {

@@ -80,12 +80,8 @@ fn sun() -> Light {
 }
 
 fn light(light: &scene::Light) -> Light {
-    let mut ready = Light {
-        range: light.range,
-        color: light.color.into(),
-        attenuation: light.attenuation.into(),
-        ..sun()
-    };
+    let mut ready =
+        Light { range: light.range, color: light.color.into(), attenuation: light.attenuation.into(), ..sun() };
     match light.kind {
         LightKind::Point { position } => (ready.kind, ready.position) = (kind::POINT, position.into()),
         LightKind::Directional { direction } => ready.direction = Vec3::from(direction).normalize(),

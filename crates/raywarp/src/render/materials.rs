@@ -98,7 +98,8 @@ impl List {
     /// Index of the texture; none for one whose image is not there.
     fn texture(&mut self, texture: Option<&scene::Texture>) -> u32 {
         let place = texture.and_then(|texture| Some((texture, *self.places.get(texture.image as usize)?)));
-        let Some((texture, place)) = place.filter(|(_, place)| place.whole && place.width > 0 && place.height > 0) else {
+        let Some((texture, place)) = place.filter(|(_, place)| place.whole && place.width > 0 && place.height > 0)
+        else {
             return NO_TEXTURE;
         };
         let [u_row, v_row] = texture.transform.map(Into::into);

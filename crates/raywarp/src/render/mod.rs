@@ -7,6 +7,7 @@ mod flatten;
 mod lighting;
 mod materials;
 mod options;
+mod passes;
 mod resident;
 
 use std::time::Instant;
@@ -17,15 +18,14 @@ use raywarp_kernels::shade::whitted::Limits;
 use raywarp_kernels::traverse::Tests;
 use raywarp_kernels::view::ViewMut;
 
-use crate::accel::triangles::{sift, Dropped};
-use crate::accel::{Accel, AccelKind, TreeStats};
+use crate::accel::{sift, Accel, AccelKind, Dropped, Resident, TreeStats};
 use crate::backend::{Buffer, Device};
 use crate::image::Picture;
 use crate::scene::{Camera, Scene};
 use bands::Bands;
 use flatten::Flat;
 use lighting::Lighting;
-use resident::{ResidentScene, ResidentStructure};
+use resident::ResidentScene;
 
 pub use error::RenderError;
 pub use options::{RenderOptions, MAX_DEPTH, MAX_SPP};
@@ -34,7 +34,7 @@ pub use options::{RenderOptions, MAX_DEPTH, MAX_SPP};
 pub struct Tracer {
     device: Device,
     scene: ResidentScene,
-    structure: ResidentStructure,
+    structure: Resident,
     lighting: Lighting,
     camera: Camera,
     report: Report,
@@ -112,7 +112,7 @@ impl Tracer {
         let estimate = ResidentScene::bytes(&flat, scene) + tree.stats().bytes as u64;
         device.reserve(estimate, "the scene")?;
         let resident = ResidentScene::upload(device, &flat, scene)?;
-        let structure = ResidentStructure::upload(device, &tree)?;
+        let structure = Resident::upload(device, &tree)?;
         let upload_seconds = start.elapsed().as_secs_f64();
 
         let lighting = Lighting::of(scene, bounds);
@@ -179,8 +179,8 @@ impl Tracer {
                 seed: options.seed,
             };
             let limits = Limits { depth: options.max_depth, shadows: options.shadows as u32 };
-            let pass = resident::Pass { scene, frame, limits, film: film.view_mut(), tests: tests.view_mut() };
-            let seconds = self.structure.shade(&self.device, &pass)?;
+            let pass = passes::Pass { scene, frame, limits, film: film.view_mut(), tests: tests.view_mut() };
+            let seconds = passes::shade(&self.device, &self.structure, &pass)?;
             kernel_seconds += seconds;
             launches += 1;
             bands.took(seconds);
@@ -198,7 +198,7 @@ impl Tracer {
         self.device.reserve((window.pixels() * std::mem::size_of::<Surfel>()) as u64, "the layers of the picture")?;
         let mut surfels = self.device.zeroed::<Surfel>(window.pixels())?;
         let lights = self.lighting.upload(&self.device, camera)?;
-        let pass = resident::Pass {
+        let pass = passes::Pass {
             scene: self.scene.view(&lights, &self.lighting),
             frame: Frame {
                 camera: camera::kernel_camera(camera, options.size)?,
@@ -212,7 +212,7 @@ impl Tracer {
             film: ViewMut::EMPTY,
             tests: ViewMut::EMPTY,
         };
-        self.structure.surfels(&self.device, &pass, surfels.view_mut())?;
+        passes::surfels(&self.device, &self.structure, &pass, surfels.view_mut())?;
         Ok(surfels.download()?)
     }
 }

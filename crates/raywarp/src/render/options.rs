@@ -55,7 +55,9 @@ impl RenderOptions {
         let refuse = |sentence: String| Err(RenderError::Option(sentence));
         let [width, height] = self.size;
         if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
-            return refuse(format!("a picture of {width}x{height} pixels is not possible; give 1 to {MAX_SIDE} a side"));
+            return refuse(format!(
+                "a picture of {width}x{height} pixels is not possible; give 1 to {MAX_SIDE} a side"
+            ));
         }
         if !(1..=MAX_SPP).contains(&self.spp) {
             return refuse(format!("{} samples a pixel are not possible; give 1 to {MAX_SPP}", self.spp));
