@@ -8,6 +8,7 @@ mod obj;
 mod ply;
 mod quote;
 mod source;
+mod text;
 mod toml;
 
 use std::path::Path;
