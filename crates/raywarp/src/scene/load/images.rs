@@ -162,6 +162,12 @@ fn checker(name: &str) -> Image {
     Image { name: name.to_owned(), width: SIDE, height: SIDE, texels: (0..SIDE * SIDE).map(texel).collect() }
 }
 
+/// Whether the picture is the fallback: fit to show that a colour is missing, but not to bend normals or to cut holes.
+pub(super) fn is_fallback(image: &Image) -> bool {
+    let fallback = checker("");
+    (image.width, image.height) == (fallback.width, fallback.height) && image.texels == fallback.texels
+}
+
 fn too_many(path: &Path) -> LoadError {
     LoadError::TooLarge {
         path: path.to_owned(),
