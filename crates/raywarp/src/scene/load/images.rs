@@ -79,8 +79,10 @@ fn add(
     let image = match decoded {
         Ok(image) => image,
         Err(reason) => {
-            let message =
-                format!("the image {} cannot be used: {reason}; a magenta checker stands in for it", file_name(name));
+            let message = format!(
+                "the image {} cannot be used: {reason}; a magenta checker stands in for its colours",
+                file_name(name)
+            );
             sources.warn(asker.path, asker.line, message)?;
             checker(name)
         }
@@ -158,7 +160,7 @@ fn sentence(error: image::ImageError) -> String {
 /// Magenta and black: seen at once, and in no real scene.
 fn checker(name: &str) -> Image {
     const SIDE: u32 = 8;
-    let texel = |i: u32| if (i % SIDE + i / SIDE) % 2 == 0 { [255, 0, 255, 255] } else { [0, 0, 0, 255] };
+    let texel = |i: u32| if (i % SIDE + i / SIDE).is_multiple_of(2) { [255, 0, 255, 255] } else { [0, 0, 0, 255] };
     Image { name: name.to_owned(), width: SIDE, height: SIDE, texels: (0..SIDE * SIDE).map(texel).collect() }
 }
 
