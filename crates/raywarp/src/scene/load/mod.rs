@@ -6,6 +6,7 @@ mod images;
 mod mtl;
 mod obj;
 mod ply;
+mod quote;
 mod source;
 mod toml;
 
