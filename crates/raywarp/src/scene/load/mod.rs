@@ -7,6 +7,7 @@ mod mtl;
 mod obj;
 mod ply;
 mod quote;
+mod repair;
 mod source;
 mod toml;
 
