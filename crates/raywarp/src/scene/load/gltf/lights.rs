@@ -55,7 +55,8 @@ fn kind(json: &JsonLight, world: DAffine3) -> Option<LightKind> {
         Checked::Valid(Type::Point) => Some(LightKind::Point { position }),
         Checked::Valid(Type::Directional) => Some(LightKind::Directional { direction: direction? }),
         Checked::Valid(Type::Spot) => {
-            let angles = json.spot.as_ref().map_or((0.0, FRAC_PI_4), |spot| (spot.inner_cone_angle, spot.outer_cone_angle));
+            let angles =
+                json.spot.as_ref().map_or((0.0, FRAC_PI_4), |spot| (spot.inner_cone_angle, spot.outer_cone_angle));
             let (inner, outer) = cone(angles.0, angles.1);
             Some(LightKind::Spot { position, direction: direction?, inner, outer })
         }
