@@ -6,6 +6,7 @@ use ::gltf::json::camera::{self, Type};
 use ::gltf::json::validation::Checked;
 use glam::{DAffine3, DVec3};
 
+use super::super::quote::quote;
 use super::super::LoadError;
 use super::Reader;
 use crate::scene::{Camera, Projection};
@@ -28,7 +29,8 @@ pub(super) fn read(
     let up = world.transform_vector3(DVec3::Y).try_normalize();
     let (Some(projection), Some(view), Some(up), true) = (projection(json), view, up, world.translation.is_finite())
     else {
-        return reader.warn(format!("camera '{name}' has no usable projection or placement and is left out"));
+        return reader
+            .warn(format!("camera {} has no usable projection or placement and is left out", quote(name.as_bytes())));
     };
     let narrow = |vector: DVec3| vector.to_array().map(|value| value as f32);
     reader.scene.cameras.push(Camera {

@@ -3,6 +3,7 @@
 use ::gltf::json::{deserialize, Error, Root};
 use serde::Deserialize;
 
+use super::super::quote::{file_name, quote};
 use super::super::{LoadError, Place, Sources};
 use super::extensions;
 use super::origin::Origin;
@@ -93,7 +94,7 @@ pub(super) fn parse(origin: Origin, parts: &Parts, sources: &mut Sources) -> Res
     let failed = |error: Error| broken_json(origin, parts, &error);
     let head: Head = deserialize::from_slice(parts.json).map_err(failed)?;
     if !head.asset.version.starts_with("2.") {
-        let read = format!("asset.version '{}'", head.asset.version);
+        let read = format!("asset.version {}", quote(head.asset.version.as_bytes()));
         return Err(origin.broken(read, "version 2.0"));
     }
     extensions::check(origin, &head.extensions_used, &head.extensions_required, sources)?;
@@ -108,7 +109,8 @@ fn broken_json(origin: Origin, parts: &Parts, error: &Error) -> LoadError {
     };
     let mut message = error.to_string();
     message.truncate(message.rfind(" at line ").unwrap_or(message.len()));
-    origin.broken_at(place, message, "the JSON of glTF 2.0")
+    // It may repeat a string of the file.
+    origin.broken_at(place, file_name(&message), "the JSON of glTF 2.0")
 }
 
 fn line_start(text: &[u8], line: usize) -> usize {

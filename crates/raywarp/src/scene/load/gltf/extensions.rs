@@ -1,5 +1,6 @@
 //! Which extensions are read, and what to do about the others.
 
+use super::super::quote::file_name;
 use super::super::{LoadError, Place, Sources};
 use super::origin::Origin;
 
@@ -33,12 +34,12 @@ pub(super) fn check(
         return Err(LoadError::Unsupported {
             path: origin.path.to_owned(),
             place: Place::File,
-            what: format!("the extension {name}, which the file requires,"),
+            what: format!("the extension {}, which the file requires,", file_name(name)),
             help: way_out(name).to_owned(),
         });
     }
     for name in used.iter().filter(|name| !known(name)) {
-        sources.warn(origin.path, None, format!("the extension {name} is ignored"))?;
+        sources.warn(origin.path, None, format!("the extension {} is ignored", file_name(name)))?;
     }
     Ok(())
 }

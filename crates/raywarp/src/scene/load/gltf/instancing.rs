@@ -43,7 +43,7 @@ fn attribute<'a>(
     let Some(value) = attributes.get(name) else { return Ok(None) };
     let origin = reader.origin;
     let index = value.as_u64().and_then(|index| u32::try_from(index).ok());
-    let index = index.ok_or_else(|| origin.broken(format!("{owner} has {name}: {value}"), "an accessor's index"))?;
+    let index = index.ok_or_else(|| origin.broken(format!("{owner} has a wrong {name}"), "an accessor's index"))?;
     let elements = Elements::new(origin, reader.buffers, &reader.root.accessors, Index::new(index), owner)?;
     reader.budget.take(origin, elements.sparse_count(), 4)?;
     if elements.lanes != lanes {

@@ -6,7 +6,9 @@ use ::gltf::json::extensions::scene::khr_lights_punctual::{Light as JsonLight, T
 use ::gltf::json::validation::Checked;
 use glam::{DAffine3, DVec3};
 
+use super::super::quote::quote;
 use super::super::LoadError;
+use super::phong::at_most;
 use super::Reader;
 use crate::scene::{Light, LightKind};
 
@@ -30,14 +32,14 @@ pub(super) fn read(
     let own_name = || json.name.clone().unwrap_or_else(|| format!("lights[{index}]"));
     let name = node_name.map_or_else(own_name, str::to_owned);
     let Some(kind) = kind(json, world) else {
-        return reader.warn(format!("light '{name}' has no usable type or placement and is left out"));
+        return reader
+            .warn(format!("light {} has no usable type or placement and is left out", quote(name.as_bytes())));
     };
     let directional = matches!(kind, LightKind::Directional { .. });
     reader.scene.lights.push(Light {
         name,
         kind,
-        // `max` turns NaN, from zero times an overflow, into 0.
-        color: json.color.map(|channel| (channel * json.intensity / PI).max(0.0).min(f32::MAX)),
+        color: json.color.map(|channel| at_most(f32::MAX, channel * json.intensity / PI)),
         attenuation: if directional { [1.0, 0.0, 0.0] } else { [0.0, 0.0, 1.0] },
         range: json.range.filter(|&range| range > 0.0 && !directional).unwrap_or(f32::INFINITY),
     });

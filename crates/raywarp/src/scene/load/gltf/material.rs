@@ -8,8 +8,9 @@ use ::gltf::json::material::{AlphaMode as JsonAlphaMode, Material as JsonMateria
 use ::gltf::json::texture::Info;
 use ::gltf::json::validation::Checked;
 
+use super::super::quote::quote;
 use super::super::LoadError;
-use super::phong::{reflectance_of, Surface};
+use super::phong::{at_most, reflectance_of, Surface};
 use super::texture::{self, Slot};
 use super::Reader;
 use crate::scene::{AlphaMode, Material, NormalMap, Texture};
@@ -42,8 +43,8 @@ pub(super) fn texture_set(reader: &mut Reader, index: Option<usize>) -> Result<u
     slots.extend(json.emissive_texture.as_ref().map(Slot::from));
     let set = slots.first().map_or(0, |slot| slot.set);
     if slots.iter().any(|slot| slot.set != set) {
-        let name = json.name.as_deref().unwrap_or_default();
-        reader.warn(format!("material '{name}' uses several sets of texture coordinates: all use TEXCOORD_{set}"))?;
+        let name = quote(json.name.as_deref().unwrap_or_default().as_bytes());
+        reader.warn(format!("material {name} uses several sets of texture coordinates: all use TEXCOORD_{set}"))?;
     }
     Ok(set)
 }
@@ -179,7 +180,7 @@ fn emit(reader: &mut Reader, json: &JsonMaterial, material: &mut Material) -> Re
     let extensions = json.extensions.as_ref();
     let strength = extensions.and_then(|extensions| extensions.emissive_strength.as_ref());
     let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
-    material.emission = json.emissive_factor.0.map(|factor| (factor * strength).max(0.0).min(f32::MAX));
+    material.emission = json.emissive_factor.0.map(|factor| at_most(f32::MAX, factor * strength));
     if material.emission != [0.0; 3] {
         material.emission_map = texture_of(reader, json.emissive_texture.as_ref(), true)?;
     }
@@ -195,8 +196,7 @@ fn alpha_mode(json: &JsonMaterial) -> AlphaMode {
 }
 
 fn unit(value: f32) -> f32 {
-    // `max` turns NaN into 0.
-    value.max(0.0).min(1.0)
+    at_most(1.0, value)
 }
 
 /// IEC 61966-2-1.

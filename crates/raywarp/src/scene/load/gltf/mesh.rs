@@ -88,10 +88,7 @@ fn read_primitive(
     let mut mesh = build(reader, owner, mode, primitive.indices, positions, attributes)?;
     mesh.name = name;
     mesh.materials = vec![material; mesh.triangles.len()];
-    let dropped = repair::drop_non_finite(&mut mesh);
-    if dropped > 0 {
-        reader.warn(format!("{dropped} triangles of {owner} use positions that are not finite and were dropped"))?;
-    }
+    reader.dropped.triangles += repair::drop_non_finite(&mut mesh);
     let place = reader.scene.meshes.len();
     reader.scene.meshes.push(mesh);
     reader.cache.geometry.insert(geometry, place);

@@ -56,10 +56,19 @@ pub(super) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadErro
     let root = container::parse(origin, &parts, sources)?;
     let buffers = Buffers::load(origin, &root, parts.binary, sources)?;
     let budget = Budget::new(bytes.len() + buffers.total_bytes());
-    let cache = Cache::default();
-    let mut reader = Reader { origin, root: &root, buffers: &buffers, sources, budget, cache, scene: Scene::default() };
+    let mut reader = Reader {
+        origin,
+        root: &root,
+        buffers: &buffers,
+        sources,
+        budget,
+        cache: Cache::default(),
+        dropped: Dropped::default(),
+        scene: Scene::default(),
+    };
     reader.warn_about_motion()?;
     nodes::read(&mut reader)?;
+    reader.warn_about_numbers()?;
     Ok(reader.scene)
 }
 
@@ -71,7 +80,15 @@ struct Reader<'a> {
     sources: &'a mut Sources,
     budget: Budget,
     cache: Cache,
+    dropped: Dropped,
     scene: Scene,
+}
+
+/// What is left out for numbers that are not finite.
+#[derive(Default)]
+struct Dropped {
+    triangles: usize,
+    instances: usize,
 }
 
 /// What was read already, by its index in the JSON.
@@ -89,6 +106,17 @@ struct Cache {
 impl Reader<'_> {
     fn warn(&mut self, message: impl Into<String>) -> Result<(), LoadError> {
         self.sources.warn(self.origin.path, None, message)
+    }
+
+    fn warn_about_numbers(&mut self) -> Result<(), LoadError> {
+        let Dropped { triangles, instances } = self.dropped;
+        if triangles > 0 {
+            self.warn(format!("{triangles} triangles use positions that are not finite and were dropped"))?;
+        }
+        if instances > 0 {
+            self.warn(format!("{instances} placements of meshes are not finite and were dropped"))?;
+        }
+        Ok(())
     }
 
     fn warn_about_motion(&mut self) -> Result<(), LoadError> {

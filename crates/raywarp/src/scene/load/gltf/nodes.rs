@@ -104,7 +104,7 @@ fn add_instances(
     };
     for world in placements {
         let Some(transform) = narrow(world) else {
-            reader.warn(format!("nodes[{index}] has a transform that is not finite: its mesh is left out"))?;
+            reader.dropped.instances += 1;
             continue;
         };
         for part in parts.iter() {

@@ -64,6 +64,14 @@ pub(super) fn reflectance_of(ior: f32) -> f32 {
     ratio * ratio
 }
 
+/// The value from 0 to a limit; 0 for NaN, which zero times an overflowed factor is.
+pub(super) fn at_most(limit: f32, value: f32) -> f32 {
+    match value > 0.0 {
+        true => value.min(limit),
+        false => 0.0,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -134,6 +142,12 @@ mod tests {
                 assert!(material.specular.iter().all(|channel| (0.0..=1.0).contains(channel)), "{material:?}");
             }
         }
+    }
+
+    #[test]
+    fn factors_are_forced_into_range() {
+        let values = [f32::NAN, -1.0, 0.5, 3.0, f32::INFINITY].map(|value| at_most(1.0, value));
+        assert_eq!(values, [0.0, 0.0, 0.5, 1.0, 1.0]);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use ::gltf::json::texture::{Info, MagFilter, Sampler, WrappingMode};
 use ::gltf::json::validation::Checked;
 
 use super::super::images::{self, Asker};
+use super::super::quote::file_name;
 use super::super::LoadError;
 use super::origin::Origin;
 use super::uri::{resolve, Resource};
@@ -31,7 +32,10 @@ impl Slot {
     pub fn of_normal_map(origin: Origin, map: &NormalTexture) -> Result<Self, LoadError> {
         let value = map.extensions.as_ref().and_then(|extensions| extensions.others.get("KHR_texture_transform"));
         let transform = value.map(|value| from_value(value.clone())).transpose().map_err(|error| {
-            origin.broken(format!("the KHR_texture_transform of a normal map: {error}"), "offset, rotation and scale")
+            origin.broken(
+                format!("the KHR_texture_transform of a normal map: {}", file_name(&error.to_string())),
+                "offset, rotation and scale",
+            )
         })?;
         Ok(Self::new(map.index.value(), map.tex_coord, transform))
     }

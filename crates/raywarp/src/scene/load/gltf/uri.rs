@@ -6,6 +6,9 @@ use super::super::quote::quote;
 use super::super::{LoadError, Place};
 use super::origin::Origin;
 
+/// No system has longer relative paths that anyone would write; messages repeat them.
+const LONGEST_NAME: usize = 1024;
+
 /// What a URI stands for.
 pub(super) enum Resource {
     /// The bytes of a `data:` URI.
@@ -23,9 +26,13 @@ pub(super) fn resolve(origin: Origin, owner: &str, uri: &str) -> Result<Resource
         return Err(LoadError::Unsupported {
             path: origin.path.to_owned(),
             place: Place::File,
-            what: format!("the scheme '{scheme}' in the URI of {owner}"),
+            what: format!("the scheme {} in the URI of {owner}", quote(scheme.as_bytes())),
             help: "Put the file beside the glTF file and name it by a relative path.".to_owned(),
         });
+    }
+    if uri.len() > LONGEST_NAME {
+        let expected = format!("a path of at most {LONGEST_NAME}");
+        return Err(origin.broken(format!("{owner} has a URI of {} bytes", uri.len()), expected));
     }
     let decoded = percent_decoded(uri.as_bytes());
     let relative = String::from_utf8_lossy(&decoded).into_owned();
