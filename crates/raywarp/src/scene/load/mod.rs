@@ -9,6 +9,7 @@ mod ply;
 mod quote;
 mod repair;
 mod source;
+mod text;
 mod toml;
 
 use std::path::Path;
