@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use super::super::triangulate::Triangulator;
 use super::corner::{Context, Corner, Seen};
 use super::materials::Materials;
 use super::meshes::Meshes;
-use super::triangulate::Triangulator;
 use crate::scene::load::quote::quote;
 use crate::scene::load::text::{parse_integer, Statement, Statements};
 use crate::scene::load::{LoadError, Sources};
