@@ -136,7 +136,7 @@ fn polygons_of_many_corners_end_in_time() {
     let element = format!("element vertex {corners}\nproperty char x\nproperty char y\nproperty char z\n");
     let face = "element face 1\nproperty list uint uint vertex_indices\n";
     let mut bytes = format!("ply\nformat binary_little_endian 1.0\n{element}{face}end_header\n").into_bytes();
-    bytes.extend((0..3 * corners).map(|place: u32| (place * 7919 >> 3) as u8));
+    bytes.extend((0..3 * corners).map(|place: u32| ((place * 7919) >> 3) as u8));
     bytes.extend(corners.to_le_bytes());
     (0..corners).for_each(|index| bytes.extend(index.to_le_bytes()));
     assert_eq!(load_bytes(&bytes).1.unwrap().scene.meshes[0].triangles.len(), corners as usize - 2);
