@@ -1,7 +1,7 @@
 //! Polygons into triangles: a fan where that is right, clipped ears where it is not.
 
 /// Cuts polygons, with a limit on the time that all of them together may take.
-pub(super) struct Triangulator {
+pub(crate) struct Triangulator {
     /// Tests of a vertex against an ear that may still be made.
     budget: u64,
     /// Polygons that were not cut to the end for want of budget.
