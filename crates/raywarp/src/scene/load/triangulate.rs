@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn the_budget_ends() {
-        let saw = |i: usize| [i as f32, if i % 2 == 0 { 1.0 } else { 0.0 }];
+        let saw = |i: usize| [i as f32, if i.is_multiple_of(2) { 1.0 } else { 0.0 }];
         let comb: Vec<_> = (0..2000).map(saw).chain([[2000.0, 9.0], [0.0, 9.0]]).collect();
         let mut triangulator = Triangulator::new(1000);
         assert_eq!(triangulator.cut(&flat(&comb)).len(), 2000);
