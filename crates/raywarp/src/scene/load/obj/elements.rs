@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use super::super::triangulate::Triangulator;
 use super::corner::{Context, Corner, Seen};
 use super::materials::Materials;
 use super::meshes::Meshes;
-use super::super::triangulate::Triangulator;
 use crate::scene::load::quote::quote;
 use crate::scene::load::text::{is_keyword, parse_integer, Kind, Statement, Statements, Tally};
 use crate::scene::load::{LoadError, Sources};
