@@ -105,8 +105,8 @@ const OFFSET: f32 = 32.0 / 16_777_216.0;
 impl Scene {
     /// The material of a triangle.
     #[inline(always)]
-    pub fn material(&self, primitive: u32) -> Material {
-        self.materials.at(self.primitives.load(primitive).material)
+    pub fn material(&self, primitive: u32) -> &Material {
+        self.materials.item(self.primitives.load(primitive).material)
     }
 
     #[inline(always)]

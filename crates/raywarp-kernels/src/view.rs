@@ -54,6 +54,14 @@ impl<T: Copy> View<T> {
         unsafe { *self.address.add(index as usize) }
     }
 
+    /// The item at `index` where it lies: for large items of which only parts are read.
+    #[inline(always)]
+    pub fn item(&self, index: u32) -> &T {
+        debug_assert!(index < self.len, "index {index} of {}", self.len);
+        // SAFETY: as for `at`; nothing writes the items while a kernel runs.
+        unsafe { &*self.address.add(index as usize) }
+    }
+
     /// As [`at`](Self::at), by 128-bit loads; for items of 16-byte granules whose every bit pattern is valid.
     #[inline(always)]
     pub fn load(&self, index: u32) -> T {

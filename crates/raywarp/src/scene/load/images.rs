@@ -79,8 +79,10 @@ fn add(
     let image = match decoded {
         Ok(image) => image,
         Err(reason) => {
-            let message =
-                format!("the image {} cannot be used: {reason}; a magenta checker stands in for it", file_name(name));
+            let message = format!(
+                "the image {} cannot be used: {reason}; a magenta checker stands in for its colours",
+                file_name(name)
+            );
             sources.warn(asker.path, asker.line, message)?;
             checker(name)
         }
@@ -158,8 +160,14 @@ fn sentence(error: image::ImageError) -> String {
 /// Magenta and black: seen at once, and in no real scene.
 fn checker(name: &str) -> Image {
     const SIDE: u32 = 8;
-    let texel = |i: u32| if (i % SIDE + i / SIDE) % 2 == 0 { [255, 0, 255, 255] } else { [0, 0, 0, 255] };
+    let texel = |i: u32| if (i % SIDE + i / SIDE).is_multiple_of(2) { [255, 0, 255, 255] } else { [0, 0, 0, 255] };
     Image { name: name.to_owned(), width: SIDE, height: SIDE, texels: (0..SIDE * SIDE).map(texel).collect() }
+}
+
+/// Whether the picture is the fallback: fit to show that a colour is missing, but not to bend normals or to cut holes.
+pub(super) fn is_fallback(image: &Image) -> bool {
+    let fallback = checker("");
+    (image.width, image.height) == (fallback.width, fallback.height) && image.texels == fallback.texels
 }
 
 fn too_many(path: &Path) -> LoadError {

@@ -11,6 +11,7 @@ mod repair;
 mod source;
 mod text;
 mod toml;
+mod triangulate;
 
 use std::path::Path;
 

@@ -54,9 +54,10 @@ fn a_missing_picture_is_one_warning_and_a_checker() {
     assert_eq!(
         warnings,
         ["a.mtl:7: the image /nowhere/b.png cannot be used: No such file or directory (os error 2); a magenta checker \
-          stands in for it"]
+          stands in for its colours"]
     );
     let image = &scene.images[0];
+    assert!(is_fallback(image));
     assert_eq!((image.width, image.height, image.texels.len()), (8, 8, 64));
     assert_eq!(image.texels[..2], [[255, 0, 255, 255], [0, 0, 0, 255]]);
     assert_eq!(image.texels[8], [0, 0, 0, 255]);

@@ -2,17 +2,14 @@
 
 use std::path::Path;
 
+use super::super::triangulate::Triangulator;
 use super::corner::{Context, Corner, Seen};
 use super::materials::Materials;
 use super::meshes::Meshes;
-use super::triangulate::Triangulator;
 use crate::scene::load::quote::quote;
-use crate::scene::load::text::{parse_integer, Statement, Statements};
+use crate::scene::load::text::{is_keyword, parse_integer, Kind, Statement, Statements, Tally};
 use crate::scene::load::{LoadError, Sources};
 use crate::scene::{Mesh, Scene};
-
-/// Kinds of skipped statements that get a warning of their own.
-const MAX_SKIPPED_KINDS: usize = 20;
 
 /// The faces of a file, taken in.
 pub(super) struct Elements<'a> {
@@ -27,17 +24,10 @@ pub(super) struct Elements<'a> {
     faces: usize,
     not_finite: usize,
     repeated: usize,
-    skipped: Vec<Skipped<'a>>,
-    skipped_more: usize,
+    skipped: Tally<'a>,
     /// Scratch space of a face.
     corners: Vec<Corner>,
     polygon: Vec<[f32; 3]>,
-}
-
-struct Skipped<'a> {
-    keyword: &'a [u8],
-    line: usize,
-    count: usize,
 }
 
 impl<'a> Elements<'a> {
@@ -54,8 +44,7 @@ impl<'a> Elements<'a> {
             faces: 0,
             not_finite: 0,
             repeated: 0,
-            skipped: Vec::new(),
-            skipped_more: 0,
+            skipped: Tally::default(),
             corners: Vec::new(),
             polygon: Vec::new(),
         };
@@ -78,7 +67,7 @@ impl<'a> Elements<'a> {
             b"mtllib" => {}
             // How to show or refine what has no triangles: nothing is lost.
             b"bevel" | b"c_interp" | b"d_interp" | b"lod" | b"mg" | b"shadow_obj" | b"trace_obj" => {}
-            keyword if is_keyword(keyword) => self.skip(statement),
+            keyword if is_keyword(keyword) => self.skipped.count(statement),
             _ => return Err(self.no_keyword(statement)),
         }
         Ok(())
@@ -139,16 +128,6 @@ impl<'a> Elements<'a> {
         })
     }
 
-    fn skip(&mut self, statement: &Statement<'a>) {
-        if let Some(skipped) = self.skipped.iter_mut().find(|skipped| skipped.keyword == statement.keyword) {
-            skipped.count += 1;
-        } else if self.skipped.len() < MAX_SKIPPED_KINDS {
-            self.skipped.push(Skipped { keyword: statement.keyword, line: statement.line, count: 1 });
-        } else {
-            self.skipped_more += 1;
-        }
-    }
-
     fn too_few_corners(&self, statement: &Statement) -> LoadError {
         let count = self.corners.len();
         let read = format!("{} has {count} {}", statement.quoted(), if count == 1 { "vertex" } else { "vertices" });
@@ -164,11 +143,11 @@ impl<'a> Elements<'a> {
 
     /// Reports what was dropped and skipped.
     pub fn warn(&self, path: &Path, sources: &mut Sources) -> Result<(), LoadError> {
-        for skipped in &self.skipped {
-            sources.warn(path, Some(skipped.line), skipped.message())?;
+        for kind in &self.skipped.kinds {
+            sources.warn(path, Some(kind.line), skipped(kind))?;
         }
         let counts = [
-            (self.skipped_more, "statements of more unknown kinds are skipped"),
+            (self.skipped.more, "statements of more unknown kinds are skipped"),
             (self.not_finite, "triangles have a vertex that is not finite and are dropped"),
             (self.repeated, "triangles have the same vertex twice and are dropped"),
             (self.triangulator.unfinished, "polygons have too many corners to be cut with care: triangles may overlap"),
@@ -190,18 +169,16 @@ impl<'a> Elements<'a> {
     }
 }
 
-impl Skipped<'_> {
-    fn message(&self) -> String {
-        let what = match self.keyword {
-            b"l" => "lines",
-            b"p" => "points",
-            b"call" | b"csh" | b"maplib" | b"usemap" => "not supported",
-            keyword if FREE_FORM.contains(&keyword) => "free-form curves and surfaces",
-            _ => "unknown",
-        };
-        let statements = if self.count == 1 { "statement is" } else { "statements are" };
-        format!("{} {} {statements} skipped ({what})", self.count, quote(self.keyword))
-    }
+fn skipped(kind: &Kind) -> String {
+    let what = match kind.keyword {
+        b"l" => "lines",
+        b"p" => "points",
+        b"call" | b"csh" | b"maplib" | b"usemap" => "not supported",
+        keyword if FREE_FORM.contains(&keyword) => "free-form curves and surfaces",
+        _ => "unknown",
+    };
+    let statements = if kind.count == 1 { "statement is" } else { "statements are" };
+    format!("{} {} {statements} skipped ({what})", kind.count, quote(kind.keyword))
 }
 
 /// The keywords of free-form geometry, with those of version 2.11.
@@ -209,9 +186,3 @@ const FREE_FORM: [&[u8]; 20] = [
     b"vp", b"cstype", b"deg", b"bmat", b"step", b"curv", b"curv2", b"surf", b"parm", b"trim", b"hole", b"scrv", b"sp",
     b"end", b"con", b"bsp", b"bzp", b"cdc", b"cdp", b"res",
 ];
-
-/// What may be a statement of a dialect. Anything else means that the file is something else.
-fn is_keyword(keyword: &[u8]) -> bool {
-    keyword.first().is_some_and(u8::is_ascii_alphabetic)
-        && keyword.iter().all(|byte| byte.is_ascii_alphanumeric() || b"_-.".contains(byte))
-}

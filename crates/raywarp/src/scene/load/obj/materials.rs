@@ -61,7 +61,10 @@ impl Materials {
         if let Some(&index) = self.by_name.get(&name) {
             return index;
         }
-        self.undefined.push((line, name.clone()));
+        // Blender writes `None` for faces without a material, others an empty name.
+        if !name.is_empty() && name != "None" {
+            self.undefined.push((line, name.clone()));
+        }
         self.by_name.insert(name, self.fallback);
         self.fallback
     }

@@ -13,7 +13,6 @@ mod hash;
 mod materials;
 mod meshes;
 mod points;
-mod triangulate;
 
 use std::path::Path;
 

@@ -29,13 +29,16 @@ impl Reader<'_> {
     }
 
     fn read_from(&self, values: &mut impl Values) -> Result<(Vertices, Faces), LoadError> {
-        let mut vertices = None;
-        let mut faces = Faces::new(self.header.count("vertex"));
+        let mut vertices: Option<Vertices> = None;
+        let mut faces = Faces::new(self.header.count("vertex"), self.bytes.len());
         // Rows without properties take no room, so there is nothing to read.
         for element in self.header.elements.iter().filter(|element| !element.properties.is_empty()) {
             match element.name.as_str() {
                 "vertex" => vertices = Some(self.vertices(element, values)?),
-                "face" => self.corners(element, values, |corners| faces.add_polygon(corners))?,
+                "face" => {
+                    let positions = vertices.as_ref().map_or(&[][..], |vertices| &vertices.positions);
+                    self.corners(element, values, |corners| faces.add_polygon(corners, positions))?;
+                }
                 "tristrips" => self.corners(element, values, |corners| faces.add_strips(corners))?,
                 _ => self.skip(element, values)?,
             }

@@ -1,7 +1,11 @@
 //! Vertex lists to triangles.
 
+use super::super::triangulate::Triangulator;
 use super::super::Place;
 use super::values::Fault;
+
+/// Larger polygons become fans: cutting them takes time by the square.
+const MOST_CORNERS: usize = 1000;
 
 /// The triangles and what was dropped on the way to them.
 pub(super) struct Faces {
@@ -10,6 +14,8 @@ pub(super) struct Faces {
     /// Faces with fewer than three corners.
     pub too_small: usize,
     scratch: Vec<u32>,
+    polygon: Vec<[f32; 3]>,
+    triangulator: Triangulator,
 }
 
 /// A corner that is not a vertex.
@@ -30,13 +36,20 @@ impl Corners {
 }
 
 impl Faces {
-    /// No faces yet, between so many vertices.
-    pub fn new(vertex_count: usize) -> Self {
-        Self { vertex_count, triangles: Vec::new(), too_small: 0, scratch: Vec::new() }
+    /// No faces yet, between so many vertices, in a file of so many bytes.
+    pub fn new(vertex_count: usize, file_bytes: usize) -> Self {
+        Self {
+            vertex_count,
+            triangles: Vec::new(),
+            too_small: 0,
+            scratch: Vec::new(),
+            polygon: Vec::new(),
+            triangulator: Triangulator::new(file_bytes),
+        }
     }
 
-    /// A polygon as a fan around its first corner.
-    pub fn add_polygon(&mut self, corners: &[f64]) -> Result<(), Corners> {
+    /// A polygon, cut where it is not convex. Without positions, in files that put them last, a fan.
+    pub fn add_polygon(&mut self, corners: &[f64], positions: &[[f32; 3]]) -> Result<(), Corners> {
         if let &[a, b, c] = corners {
             self.triangles.push([self.vertex(a)?, self.vertex(b)?, self.vertex(c)?]);
             return Ok(());
@@ -44,6 +57,13 @@ impl Faces {
         self.scratch.clear();
         for &corner in corners {
             self.scratch.push(self.vertex(corner)?);
+        }
+        if (4..=MOST_CORNERS).contains(&corners.len()) && positions.len() == self.vertex_count {
+            self.polygon.clear();
+            self.polygon.extend(self.scratch.iter().map(|&vertex| positions[vertex as usize]));
+            let triangles = self.triangulator.cut(&self.polygon);
+            self.triangles.extend(triangles.iter().map(|corner| corner.map(|place| self.scratch[place as usize])));
+            return Ok(());
         }
         let Some((&first, others)) = self.scratch.split_first() else {
             self.too_small += 1;

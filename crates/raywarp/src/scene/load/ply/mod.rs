@@ -4,7 +4,7 @@
 //! - `vertex`: `x y z`; `nx ny nz`; `red green blue [alpha]` (also with `diffuse_` in front); `s t`, `u v` or
 //!   `texture_u texture_v`, v up. Every numeric type will do. Integer colours are sRGB, as scanners and editors write
 //!   them, and become linear; floating point colours are taken as linear. Alpha is linear always.
-//! - `face` with a list `vertex_indices` or `vertex_index`; polygons become fans around their first corner.
+//! - `face` with a list `vertex_indices` or `vertex_index`; polygons are cut into triangles.
 //! - `tristrips`, strips that -1 separates, every second triangle turned round.
 //!
 //! Other elements and properties are passed over. Vertices without normals get smooth ones

@@ -106,13 +106,40 @@ fn floating_point_colors_are_linear() {
 }
 
 #[test]
-fn polygons_become_fans() {
+fn convex_polygons_become_fans() {
     let text = ascii(
         "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n\
          element face 2\nproperty list uchar int vertex_indices\nend_header\n\
          0 0 0\n2 0 0\n3 1 0\n1 2 0\n-1 1 0\n5 0 1 2 3 4\n4 0 1 2 3\n",
     );
     assert_eq!(mesh(&text).triangles, [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 1, 2], [0, 2, 3]]);
+}
+
+#[test]
+fn dented_polygons_are_cut_inside() {
+    // An arrowhead, dented at its last corner: the fan around the first would leave it.
+    let vertices = "0 0 0\n4 -2 0\n0 4 0\n1 0 0\n";
+    let element = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
+    let face = "element face 1\nproperty list uchar int vertex_indices\n";
+    let mesh = mesh(&ascii(&format!("{element}{face}end_header\n{vertices}4 1 2 0 3\n")));
+    let area = |[a, b, c]: [u32; 3]| {
+        let [a, b, c] = [a, b, c].map(|vertex| mesh.positions[vertex as usize]);
+        ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2.0
+    };
+    assert_eq!(mesh.triangles.len(), 2);
+    assert!(mesh.triangles.iter().all(|&triangle| area(triangle) > 0.0), "{:?}", mesh.triangles);
+}
+
+#[test]
+fn polygons_of_many_corners_end_in_time() {
+    let corners = 100_000;
+    let element = format!("element vertex {corners}\nproperty char x\nproperty char y\nproperty char z\n");
+    let face = "element face 1\nproperty list uint uint vertex_indices\n";
+    let mut bytes = format!("ply\nformat binary_little_endian 1.0\n{element}{face}end_header\n").into_bytes();
+    bytes.extend((0..3 * corners).map(|place: u32| ((place * 7919) >> 3) as u8));
+    bytes.extend(corners.to_le_bytes());
+    (0..corners).for_each(|index| bytes.extend(index.to_le_bytes()));
+    assert_eq!(load_bytes(&bytes).1.unwrap().scene.meshes[0].triangles.len(), corners as usize - 2);
 }
 
 #[test]

@@ -2,9 +2,11 @@
 
 mod number;
 mod statements;
+mod tally;
 
 pub(super) use number::{parse_f32, parse_integer};
 pub(super) use statements::{Field, Statement, Statements};
+pub(super) use tally::{is_keyword, Kind, Tally};
 
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Polygons into triangles: a fan where that is right, clipped ears where it is not.
 
 /// Cuts polygons, with a limit on the time that all of them together may take.
-pub(super) struct Triangulator {
+pub(crate) struct Triangulator {
     /// Tests of a vertex against an ear that may still be made.
     budget: u64,
     /// Polygons that were not cut to the end for want of budget.
@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn the_budget_ends() {
-        let saw = |i: usize| [i as f32, if i % 2 == 0 { 1.0 } else { 0.0 }];
+        let saw = |i: usize| [i as f32, if i.is_multiple_of(2) { 1.0 } else { 0.0 }];
         let comb: Vec<_> = (0..2000).map(saw).chain([[2000.0, 9.0], [0.0, 9.0]]).collect();
         let mut triangulator = Triangulator::new(1000);
         assert_eq!(triangulator.cut(&flat(&comb)).len(), 2000);
