@@ -59,24 +59,22 @@ pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
     let loaded = read(options.scene.as_deref(), options.strict)?;
     let scene = &loaded.scene;
     let cpu = Device::open(DeviceChoice::Cpu)?;
-    let mut trees = Vec::new();
-    let mut counts = None;
-    for accel in [AccelKind::Brute, AccelKind::Kd, AccelKind::Bvh] {
-        let tracer = Tracer::new(scene, accel, &cpu)?;
-        trees.push(TreeInfo::new(accel, tracer.report()));
-        counts = Some((SceneCounts::new(scene, tracer.report()), tracer.report().notes.clone()));
-    }
-    let (counts, notes) = counts.unwrap_or_else(|| (SceneCounts::new(scene, &Report::default()), Vec::new()));
+    let report = |accel| Tracer::new(scene, accel, &cpu).map(|tracer| tracer.report().clone());
+    let (brute, kd, bvh) = (report(AccelKind::Brute)?, report(AccelKind::Kd)?, report(AccelKind::Bvh)?);
     let info = Info {
-        scene: counts,
+        scene: SceneCounts::new(scene, &bvh),
         materials: scene.materials.iter().map(MaterialInfo::from).collect(),
         images: scene.images.iter().map(|i| ImageInfo { name: i.name.clone(), size: [i.width, i.height] }).collect(),
         cameras: scene.cameras.iter().map(|camera| camera.name.clone()).collect(),
         lights: scene.lights.iter().map(|light| light.name.clone()).collect(),
         memory: memory(scene),
-        trees,
+        trees: vec![
+            TreeInfo::new(AccelKind::Brute, &brute),
+            TreeInfo::new(AccelKind::Kd, &kd),
+            TreeInfo::new(AccelKind::Bvh, &bvh),
+        ],
         warnings: loaded.warnings.iter().map(ToString::to_string).collect(),
-        notes,
+        notes: bvh.notes,
     };
     let text = if options.json { serde_json::to_string_pretty(&info)? + "\n" } else { info.text() };
     say::out(text.as_bytes())?;
@@ -86,7 +84,7 @@ pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
 
 /// Triangles that the tracer left out.
 pub fn dropped(report: &Report) -> u64 {
-    report.dropped.degenerate + report.dropped.not_finite
+    (report.dropped.without_area + report.dropped.not_finite) as u64
 }
 
 /// Bytes of meshes and texels; the rest is small beside them.

@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use raywarp::accel::AccelKind;
 use raywarp::backend::DeviceChoice;
 use raywarp::image::{Layer, ToneMap};
+use raywarp::render::{MAX_DEPTH, MAX_SPP};
 
 use crate::values;
 
@@ -97,11 +98,11 @@ pub struct RenderOptions {
     #[arg(long, value_name = "x0,y0,x1,y1", value_parser = values::crop, help_heading = "Picture")]
     pub crop: Option<[u32; 4]>,
     /// Samples a pixel
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
     #[arg(help_heading = "Picture")]
     pub spp: u32,
     /// Mirrored and refracted rays in a row, 0 to 16
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=16))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_DEPTH)))]
     #[arg(help_heading = "Picture")]
     pub max_depth: u32,
     /// Let every light reach everything
@@ -159,12 +160,10 @@ impl RenderOptions {
     }
 }
 
-/// Forms of the statistics.
+/// Forms of the statistics. Without documentation of each: clap would spread the whole help over two lines an option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum StatsForm {
-    /// Lines for people, on standard error
     Table,
-    /// One object for programs, on standard output
     Json,
 }
 

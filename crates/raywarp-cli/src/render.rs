@@ -33,7 +33,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let device = Device::open(options.device)?;
     let tracer = Tracer::new(&loaded.scene, options.accel, &device)?;
     say_notes(options, &loaded, &device, &tracer);
-    let camera = viewpoint::adjusted(chosen.unwrap_or(tracer.default_camera()).clone(), options)?;
+    let camera = viewpoint::adjusted(chosen.unwrap_or(tracer.default_camera()).clone(), options);
 
     let shot = Shot { options, plan: &plan, tracer: &tracer, camera: &camera };
     let taken = shot.take()?;

@@ -2,8 +2,7 @@
 
 use std::str::FromStr;
 
-/// Most pixels each way: beyond it an `f32` could not place samples within a pixel any more.
-const MAX_SIDE: u32 = 1_000_000;
+use raywarp::render::MAX_SIDE;
 
 /// `WxH` in pixels.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
@@ -90,7 +89,7 @@ mod tests {
             ("-1x5", "give width"),
             ("0x5", "at least"),
             ("5x0", "at least"),
-            ("1x1000001", "at most"),
+            ("1x65537", "at most"),
             ("99999999999x1", "at most"),
         ] {
             assert!(size(text).is_err_and(|error| error.contains(reason)), "{text}");
