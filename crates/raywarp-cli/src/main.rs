@@ -1,1 +1,38 @@
-fn main() {}
+//! The program `raywarp`.
+
+mod completions;
+mod doctor;
+mod failure;
+mod info;
+mod interrupt;
+mod limits;
+mod man;
+mod options;
+mod output;
+mod progress;
+mod render;
+mod report;
+mod say;
+mod values;
+mod viewpoint;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use options::{Command, Options, RenderOptions};
+
+fn main() -> ExitCode {
+    let done = match Options::parse().command {
+        None => render::run(&RenderOptions::built_in()),
+        Some(Command::Render(options)) => render::run(&options),
+        Some(Command::Info(options)) => info::run(&options),
+        Some(Command::Doctor) => doctor::run(),
+        Some(Command::Completions(options)) => completions::run(&options),
+        Some(Command::Man(options)) => man::run(&options),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => failure::exit_code(&error),
+    }
+}

@@ -28,7 +28,7 @@ use lighting::Lighting;
 use resident::ResidentScene;
 
 pub use error::RenderError;
-pub use options::{RenderOptions, MAX_DEPTH, MAX_SPP};
+pub use options::{RenderOptions, MAX_DEPTH, MAX_SIDE, MAX_SPP};
 
 /// A scene on a device, ready to be traced from any camera.
 pub struct Tracer {

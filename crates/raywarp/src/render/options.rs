@@ -9,7 +9,7 @@ pub const MAX_DEPTH: u32 = raywarp_kernels::shade::whitted::MAX_DEPTH;
 pub const MAX_SPP: u32 = 1 << 20;
 
 /// Most pixels along a side.
-const MAX_SIDE: u32 = 1 << 16;
+pub const MAX_SIDE: u32 = 1 << 16;
 
 /// The options of a picture, with their defaults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -42,6 +42,19 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
     Ok(Loaded { scene, warnings: sources.into_warnings() })
 }
 
+/// The scene that is part of the program: the figure of the paper, Suzanne in a box of mirrors.
+///
+/// # Errors
+/// None unless raywarp was built from a broken scene.
+pub fn builtin() -> Result<Loaded, LoadError> {
+    let mut sources = Sources::new(&LoadOptions::default()).with_files(&[
+        ("built-in/paper.toml", include_bytes!("../../../../../scenes/paper/paper.toml")),
+        ("built-in/suzanne.ply", include_bytes!("../../../../../scenes/paper/suzanne.ply")),
+    ]);
+    let scene = read(Path::new("built-in/paper.toml"), &mut sources)?;
+    Ok(Loaded { scene, warnings: sources.into_warnings() })
+}
+
 /// Reads one file of any known format; scene files call it for the meshes they name.
 pub(crate) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadError> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();

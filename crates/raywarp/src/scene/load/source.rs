@@ -1,6 +1,6 @@
 //! The files behind a scene: opened with limits, warned about once.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -42,12 +42,86 @@ pub struct Sources {
     warnings: Vec<Warning>,
     seen: HashSet<Warning>,
     pub(super) images: ImageIndices,
+    /// Files in memory, by their paths.
+    files: HashMap<PathBuf, Vec<u8>>,
+    /// Scene files that are being read, each named by the one before.
+    nesting: Vec<PathBuf>,
+    /// How often each file was read as part of a scene.
+    uses: HashMap<PathBuf, usize>,
 }
+
+/// Most scene files within each other.
+const MAX_NESTING: usize = 16;
+/// Most times that one file is read: placing it again costs nothing, reading it again all of it.
+const MAX_USES: usize = 64;
 
 impl Sources {
     /// No file read yet.
     pub fn new(options: &LoadOptions) -> Self {
-        Self { options: *options, warnings: Vec::new(), seen: HashSet::new(), images: ImageIndices::default() }
+        Self {
+            options: *options,
+            warnings: Vec::new(),
+            seen: HashSet::new(),
+            images: ImageIndices::default(),
+            files: HashMap::new(),
+            nesting: Vec::new(),
+            uses: HashMap::new(),
+        }
+    }
+
+    /// Files that are read from memory: paths and contents. They hide files of the same paths on disk.
+    pub fn with_files(mut self, files: &[(&str, &[u8])]) -> Self {
+        self.files.extend(files.iter().map(|(path, bytes)| (PathBuf::from(path), bytes.to_vec())));
+        self
+    }
+
+    /// Notes that a scene file is being read; [`leave`](Self::leave) must follow.
+    ///
+    /// # Errors
+    /// [`LoadError::Unsupported`] for a file within itself, [`LoadError::TooLarge`] for too many within each other.
+    pub(super) fn enter(&mut self, path: &Path) -> Result<(), LoadError> {
+        let real = real_path(path);
+        if self.nesting.contains(&real) {
+            return Err(LoadError::Unsupported {
+                path: path.to_owned(),
+                place: Place::File,
+                what: "a scene file that names itself, be it by way of others,".to_owned(),
+                help: "Take it out of its own meshes.".to_owned(),
+            });
+        }
+        if self.nesting.len() == MAX_NESTING {
+            return Err(LoadError::TooLarge {
+                path: path.to_owned(),
+                place: Place::File,
+                what: format!("more than {MAX_NESTING} scene files name each other"),
+                help: "Name the meshes themselves.".to_owned(),
+            });
+        }
+        self.nesting.push(real);
+        Ok(())
+    }
+
+    /// Notes that the last scene file is done.
+    pub(super) fn leave(&mut self) {
+        self.nesting.pop();
+    }
+
+    /// Notes that a file becomes part of a scene.
+    ///
+    /// # Errors
+    /// [`LoadError::TooLarge`] where that happens too often.
+    pub(super) fn count_use(&mut self, path: &Path) -> Result<(), LoadError> {
+        let uses = self.uses.entry(real_path(path)).or_default();
+        *uses += 1;
+        if *uses > MAX_USES {
+            return Err(LoadError::TooLarge {
+                path: path.to_owned(),
+                place: Place::File,
+                what: format!("it is read more than {MAX_USES} times"),
+                help: "Name it once in [[meshes]] and place it with [[instances]].".to_owned(),
+            });
+        }
+        Ok(())
     }
 
     /// Records a warning, the same one only once.
@@ -71,6 +145,9 @@ impl Sources {
     /// [`LoadError::Io`] for a missing or unreadable file, [`LoadError::Unsupported`] for what is no regular file: a
     /// directory holds nothing to read, and a pipe or a device might never end.
     pub fn bytes(&self, path: &Path) -> Result<Vec<u8>, LoadError> {
+        if let Some(bytes) = self.files.get(path) {
+            return Ok(bytes.clone());
+        }
         let failed = |source: std::io::Error| LoadError::Io {
             path: path.to_owned(),
             help: help_for(&source).to_owned(),
@@ -87,6 +164,11 @@ impl Sources {
     pub fn into_warnings(self) -> Vec<Warning> {
         self.warnings
     }
+}
+
+/// One path for one file; the path itself where there is no such file.
+fn real_path(path: &Path) -> PathBuf {
+    std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
 }
 
 fn not_a_file(path: &Path, is_directory: bool) -> LoadError {

@@ -1,0 +1,32 @@
+//! From an error to a sentence and an exit code.
+
+use std::process::ExitCode;
+
+use raywarp::backend::DeviceError;
+use raywarp::image::ImageError;
+use raywarp::render::RenderError;
+
+use crate::say;
+
+/// A usage or scene error, or a picture that cannot be written.
+const USAGE: u8 = 2;
+/// No such device, or one that fails.
+const DEVICE: u8 = 3;
+
+/// Says what went wrong and returns what the shell is told. That a reader left early is no failure.
+pub fn exit_code(error: &anyhow::Error) -> ExitCode {
+    if error.chain().any(is_broken_pipe) {
+        return ExitCode::SUCCESS;
+    }
+    say::line(&format!("error: {error:#}"));
+    ExitCode::from(if error.chain().any(is_of_device) { DEVICE } else { USAGE })
+}
+
+fn is_broken_pipe(cause: &(dyn std::error::Error + 'static)) -> bool {
+    let is_broken = |error: &std::io::Error| error.kind() == std::io::ErrorKind::BrokenPipe;
+    cause.downcast_ref().is_some_and(is_broken) || cause.downcast_ref().is_some_and(ImageError::is_broken_pipe)
+}
+
+fn is_of_device(cause: &(dyn std::error::Error + 'static)) -> bool {
+    cause.is::<DeviceError>() || matches!(cause.downcast_ref(), Some(RenderError::Device(_)))
+}

@@ -1,0 +1,202 @@
+//! `raywarp info`.
+
+use raywarp::accel::AccelKind;
+use raywarp::backend::{Device, DeviceChoice};
+use raywarp::render::{Report, Tracer};
+use raywarp::scene::{Material, Scene};
+use serde::Serialize;
+
+use crate::options::InfoOptions;
+use crate::render::read;
+use crate::report::{SceneCounts, Table, Tree};
+use crate::say;
+
+/// Everything that is said about a scene.
+#[derive(Debug, Serialize)]
+struct Info {
+    scene: SceneCounts,
+    materials: Vec<MaterialInfo>,
+    images: Vec<ImageInfo>,
+    cameras: Vec<String>,
+    lights: Vec<String>,
+    /// Bytes of the scene as it was read.
+    memory: u64,
+    trees: Vec<TreeInfo>,
+    warnings: Vec<String>,
+    notes: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct MaterialInfo {
+    name: String,
+    diffuse: [f32; 3],
+    specular: [f32; 3],
+    shininess: f32,
+    reflection: [f32; 3],
+    transmission: [f32; 3],
+    ior: f32,
+    opacity: f32,
+    maps: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct ImageInfo {
+    name: String,
+    size: [u32; 2],
+}
+
+#[derive(Debug, Serialize)]
+struct TreeInfo {
+    accel: String,
+    build_seconds: f64,
+    device_bytes: u64,
+    #[serde(flatten)]
+    tree: Tree,
+}
+
+/// Says what is in a scene.
+pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
+    let loaded = read(options.scene.as_deref(), options.strict)?;
+    let scene = &loaded.scene;
+    let cpu = Device::open(DeviceChoice::Cpu)?;
+    let report = |accel| Tracer::new(scene, accel, &cpu).map(|tracer| tracer.report().clone());
+    let (brute, kd, bvh) = (report(AccelKind::Brute)?, report(AccelKind::Kd)?, report(AccelKind::Bvh)?);
+    let info = Info {
+        scene: SceneCounts::new(scene, &bvh),
+        materials: scene.materials.iter().map(MaterialInfo::from).collect(),
+        images: scene.images.iter().map(|i| ImageInfo { name: i.name.clone(), size: [i.width, i.height] }).collect(),
+        cameras: scene.cameras.iter().map(|camera| camera.name.clone()).collect(),
+        lights: scene.lights.iter().map(|light| light.name.clone()).collect(),
+        memory: memory(scene),
+        trees: vec![
+            TreeInfo::new(AccelKind::Brute, &brute),
+            TreeInfo::new(AccelKind::Kd, &kd),
+            TreeInfo::new(AccelKind::Bvh, &bvh),
+        ],
+        warnings: loaded.warnings.iter().map(ToString::to_string).collect(),
+        notes: bvh.notes,
+    };
+    let text = if options.json { serde_json::to_string_pretty(&info)? + "\n" } else { info.text() };
+    say::out(text.as_bytes())?;
+    say::warnings(&loaded.warnings);
+    Ok(())
+}
+
+/// Triangles that the tracer left out.
+pub fn dropped(report: &Report) -> u64 {
+    (report.dropped.without_area + report.dropped.not_finite) as u64
+}
+
+/// Bytes of meshes and texels; the rest is small beside them.
+fn memory(scene: &Scene) -> u64 {
+    let meshes = scene.meshes.iter().map(|mesh| {
+        12 * mesh.positions.len()
+            + 12 * mesh.normals.len()
+            + 8 * mesh.uvs.len()
+            + 16 * (mesh.colors.len() + mesh.tangents.len())
+            + 16 * mesh.triangles.len()
+    });
+    let images = scene.images.iter().map(|image| 4 * image.texels.len());
+    meshes.chain(images).sum::<usize>() as u64
+}
+
+impl TreeInfo {
+    fn new(accel: AccelKind, report: &Report) -> Self {
+        Self {
+            accel: accel.to_string(),
+            build_seconds: report.build_seconds,
+            device_bytes: report.device_bytes,
+            tree: (&report.tree).into(),
+        }
+    }
+}
+
+impl From<&Material> for MaterialInfo {
+    fn from(material: &Material) -> Self {
+        let maps = [material.diffuse_map, material.specular_map, material.emission_map, material.opacity_map];
+        Self {
+            name: material.name.clone(),
+            diffuse: material.diffuse,
+            specular: material.specular,
+            shininess: material.shininess,
+            reflection: material.reflection,
+            transmission: material.transmission,
+            ior: material.ior,
+            opacity: material.opacity,
+            maps: maps.iter().flatten().count() + usize::from(material.normal_map.is_some()),
+        }
+    }
+}
+
+impl Info {
+    fn text(&self) -> String {
+        let mut table = Table::default();
+        let scene = &self.scene;
+        table.row("triangles", format!("{} ({} dropped)", scene.triangles, scene.dropped));
+        table.row("vertices", scene.vertices);
+        table.row("meshes", format!("{}, placed {} times", scene.meshes, scene.instances));
+        let [low, high] = scene.bounds.map(|[x, y, z]| format!("{x} {y} {z}"));
+        table.row("bounds", format!("{low}  to  {high}"));
+        table.row("lights", named(&self.lights));
+        table.row("cameras", named(&self.cameras));
+        table.row("memory", format!("{} as read", say::bytes(self.memory)));
+        self.material_rows(&mut table);
+        for image in &self.images {
+            table.row("image", format!("{} ({}x{})", image.name, image.size[0], image.size[1]));
+        }
+        for tree in &self.trees {
+            let time = say::seconds(tree.build_seconds);
+            table.row(&format!("tree {}", tree.accel), format!("{}, built in {time}", tree.tree.sentence()));
+        }
+        for note in &self.notes {
+            table.row("note", note);
+        }
+        table.0
+    }
+
+    fn material_rows(&self, table: &mut Table) {
+        table.row("materials", self.materials.len());
+        for material in &self.materials {
+            table.row("", material.sentence());
+        }
+    }
+}
+
+impl MaterialInfo {
+    /// The name and what sets the material apart.
+    fn sentence(&self) -> String {
+        let color = |c: [f32; 3]| format!("{:.2} {:.2} {:.2}", c[0], c[1], c[2]);
+        let mut text = format!("{:<20} diffuse {}", self.name, color(self.diffuse));
+        let mut add = |part: String| {
+            text.push_str(", ");
+            text.push_str(&part);
+        };
+        if self.specular != [0.0; 3] {
+            add(format!("specular {} ^ {}", color(self.specular), self.shininess));
+        }
+        if self.reflection != [0.0; 3] {
+            add(format!("reflection {}", color(self.reflection)));
+        }
+        if self.transmission != [0.0; 3] {
+            add(format!("transmission {}, ior {}", color(self.transmission), self.ior));
+        }
+        if self.opacity < 1.0 {
+            add(format!("opacity {}", self.opacity));
+        }
+        if self.maps > 0 {
+            add(format!("{} maps", self.maps));
+        }
+        text
+    }
+}
+
+/// How many, and their names.
+fn named(names: &[String]) -> String {
+    const SHOWN: usize = 12;
+    let shown: Vec<_> = names.iter().take(SHOWN).map(|name| format!("'{name}'")).collect();
+    match names.len() {
+        0 => "none".to_owned(),
+        count if count > SHOWN => format!("{count}: {}, ...", shown.join(", ")),
+        count => format!("{count}: {}", shown.join(", ")),
+    }
+}

@@ -1,0 +1,213 @@
+//! Every option of the program. Help, man pages and completions are made from these definitions.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use raywarp::accel::AccelKind;
+use raywarp::backend::DeviceChoice;
+use raywarp::image::{Layer, ToneMap};
+use raywarp::render::{MAX_DEPTH, MAX_SPP};
+
+use crate::values;
+
+/// Ray tracing on any CUDA GPU with nothing but its driver, or on the CPU
+#[derive(Debug, Parser)]
+#[command(
+    name = "raywarp",
+    version,
+    max_term_width = 100,
+    after_help = EXAMPLES,
+    disable_help_subcommand = true,
+)]
+pub struct Options {
+    /// What to do; without a command the built-in scene is rendered to raywarp.png
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  raywarp                                  the built-in scene, to raywarp.png
+  raywarp render model.obj -o picture.png  a model, framed and lit if it has no camera and no lights
+  raywarp info scene.gltf                  what is in a scene
+  raywarp doctor                           whether a GPU can be used, and if not what to do
+
+`raywarp render --help` has all options of rendering.
+
+Exit codes: 0 done, 2 usage or scene error, 3 device error, 130 interrupted";
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  raywarp render scene.toml -o a.png -o a.exr --spp 16
+  raywarp render model.glb --eye 3,2,5 --target 0,1,0 --fov 35
+  raywarp render --accel kd --heatmap cost.png --stats
+  raywarp render scene.obj -o a.exr --aov depth,normal,primitive
+  raywarp render scene.ply -o - | display
+
+The same scene, options and seed give the same picture on any number of threads.";
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene to PNG or EXR files
+    Render(Box<RenderOptions>),
+    /// Show what is in a scene: counts, bounds, materials, memory, quality of the trees
+    Info(InfoOptions),
+    /// Check the CUDA driver and the devices, and say what to do about problems
+    Doctor,
+    /// Print the completions for a shell
+    Completions(CompletionsOptions),
+    /// Print the manual page, or write the pages of all commands into a directory
+    Man(ManOptions),
+}
+
+/// Options of `render`.
+#[derive(Debug, Parser)]
+#[command(after_help = RENDER_EXAMPLES)]
+pub struct RenderOptions {
+    /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    pub scene: Option<PathBuf>,
+
+    /// Picture file, .png (sRGB) or .exr (linear), or - for PNG to standard output; may be repeated
+    #[arg(short, long, value_name = "FILE", default_value = "raywarp.png", help_heading = "Output")]
+    pub output: Vec<PathBuf>,
+    /// Brighten by EV stops, in PNG only: EXR holds the radiance itself
+    #[arg(long, value_name = "EV", default_value = "0", allow_hyphen_values = true, value_parser = values::exposure)]
+    #[arg(help_heading = "Output")]
+    pub exposure: f32,
+    /// What PNG does with radiance above 1: clamp, filmic
+    #[arg(long, value_name = "CURVE", default_value_t, help_heading = "Output")]
+    pub tone_map: ToneMap,
+    /// Layers, with commas: depth, normal, albedo, uv, position, primitive, material, tests; within an EXR, beside a
+    /// PNG in false colours as NAME.LAYER.png
+    #[arg(long, value_name = "LIST", value_delimiter = ',', help_heading = "Output")]
+    pub aov: Vec<Layer>,
+    /// Write the tests a pixel (nodes and triangles) as a coloured PNG with its scale
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub heatmap: Option<PathBuf>,
+    /// Tests that the brightest colour of the heat map stands for; none: those of the costliest pixel
+    #[arg(long, value_name = "N", requires = "heatmap", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(help_heading = "Output")]
+    pub heatmap_max: Option<u64>,
+
+    /// Size of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = values::size)]
+    #[arg(help_heading = "Picture")]
+    pub size: [u32; 2],
+    /// Render only columns x0 to x1 and rows y0 to y1, in pixels from the upper left, x1 and y1 excluded
+    #[arg(long, value_name = "x0,y0,x1,y1", value_parser = values::crop, help_heading = "Picture")]
+    pub crop: Option<[u32; 4]>,
+    /// Samples a pixel
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
+    #[arg(help_heading = "Picture")]
+    pub spp: u32,
+    /// Mirrored and refracted rays in a row, 0 to 16
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_DEPTH)))]
+    #[arg(help_heading = "Picture")]
+    pub max_depth: u32,
+    /// Let every light reach everything
+    #[arg(long, help_heading = "Picture")]
+    pub no_shadows: bool,
+    /// Start of the random numbers that place the samples
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Picture")]
+    pub seed: u32,
+
+    /// A camera of the scene, by its name or its number from 0; none: the first, or one that frames everything
+    #[arg(long, value_name = "NAME|INDEX", help_heading = "Camera")]
+    pub camera: Option<String>,
+    /// Put the camera there
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
+    #[arg(help_heading = "Camera")]
+    pub eye: Option<[f32; 3]>,
+    /// Look at this point
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
+    #[arg(help_heading = "Camera")]
+    pub target: Option<[f32; 3]>,
+    /// What is up in the picture: a vector or an axis, such as +Z
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::direction)]
+    #[arg(help_heading = "Camera")]
+    pub up: Option<[f32; 3]>,
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEGREES", value_parser = values::field_of_view, help_heading = "Camera")]
+    pub fov: Option<f32>,
+
+    /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
+    #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
+    pub device: DeviceChoice,
+    /// How to find hits: brute (every triangle), kd (the paper's k-d tree), bvh
+    #[arg(long, value_name = "KIND", default_value = "bvh", help_heading = "Machine")]
+    pub accel: AccelKind,
+    /// Threads of the CPU; none: all
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Machine")]
+    pub threads: Option<u32>,
+
+    /// Print statistics: a table to standard error, or JSON to standard output. Tests are counted in a second run
+    #[arg(long, value_name = "FORM", num_args = 0..=1, require_equals = true, default_missing_value = "table")]
+    #[arg(help_heading = "Messages")]
+    pub stats: Option<StatsForm>,
+    /// Take the scene's warnings as errors
+    #[arg(long, help_heading = "Messages")]
+    pub strict: bool,
+    /// Print nothing but errors
+    #[arg(short, long, help_heading = "Messages")]
+    pub quiet: bool,
+}
+
+impl RenderOptions {
+    /// All defaults: what `raywarp` alone does.
+    pub fn built_in() -> Self {
+        Self::parse_from(["raywarp"])
+    }
+}
+
+/// Forms of the statistics. Without documentation of each: clap would spread the whole help over two lines an option.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum StatsForm {
+    Table,
+    Json,
+}
+
+/// Options of `info`.
+#[derive(Debug, Args)]
+pub struct InfoOptions {
+    /// Scene file; none: the built-in scene
+    pub scene: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+    /// Take the scene's warnings as errors
+    #[arg(long)]
+    pub strict: bool,
+}
+
+/// Options of `completions`.
+#[derive(Debug, Args)]
+pub struct CompletionsOptions {
+    /// The shell
+    pub shell: clap_complete::Shell,
+}
+
+/// Options of `man`.
+#[derive(Debug, Args)]
+pub struct ManOptions {
+    /// Write raywarp.1, raywarp-render.1 and so on there
+    pub directory: Option<PathBuf>,
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definitions_are_consistent() {
+        super::Options::command().debug_assert();
+    }
+
+    #[test]
+    fn defaults_are_those_of_the_library() {
+        let (options, library) = (super::RenderOptions::built_in(), raywarp::render::RenderOptions::default());
+        assert_eq!((options.size, options.spp, options.max_depth), (library.size, library.spp, library.max_depth));
+        assert_eq!((options.seed, !options.no_shadows), (library.seed, library.shadows));
+        assert_eq!(options.accel, raywarp::accel::AccelKind::default());
+    }
+}

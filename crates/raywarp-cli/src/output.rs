@@ -1,0 +1,149 @@
+//! Which files are written, and writing them.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use raywarp::image::{exr, false_color, heatmap, png, write, Development, Format, Layer, Layers, Picture, Rgb8};
+
+use crate::interrupt::Interrupt;
+use crate::options::{RenderOptions, StatsForm};
+use crate::say;
+
+/// Every file that a run writes.
+#[derive(Debug)]
+pub struct Plan {
+    pictures: Vec<(PathBuf, Format)>,
+    layers: Vec<Layer>,
+    layer_pictures: Vec<(PathBuf, Layer)>,
+    heatmap: Option<PathBuf>,
+}
+
+/// What the files are made of.
+pub struct Results<'a> {
+    /// The picture.
+    pub picture: &'a Picture,
+    /// The layers, if any are asked for; with tests for a heat map.
+    pub layers: &'a Layers,
+    /// How PNG shows radiance.
+    pub development: Development,
+    /// Top of the heat map's scale.
+    pub heatmap_max: Option<u64>,
+}
+
+impl Plan {
+    /// The files that options ask for, each known to be writable.
+    ///
+    /// # Errors
+    /// Where they contradict each other or one cannot be written.
+    pub fn new(options: &RenderOptions) -> anyhow::Result<Self> {
+        let mut layers = options.aov.clone();
+        layers.sort();
+        layers.dedup();
+        let mut plan =
+            Self { pictures: Vec::new(), layers, layer_pictures: Vec::new(), heatmap: options.heatmap.clone() };
+        for path in &options.output {
+            plan.add(path)?;
+        }
+        if let Some(path) = &plan.heatmap {
+            let is_png = Format::of(path)? == Format::Png;
+            anyhow::ensure!(is_png, "the heat map {} is a PNG: end its name in .png", path.display());
+        }
+        plan.check(options)?;
+        Ok(plan)
+    }
+
+    fn add(&mut self, path: &Path) -> anyhow::Result<()> {
+        let format = Format::of(path)?;
+        if format == Format::Png && !self.layers.is_empty() {
+            anyhow::ensure!(
+                !write::is_standard_output(path),
+                "--aov names its files after the picture, and standard output has no name: give -o a file"
+            );
+            let beside = |&layer: &Layer| (path.with_extension(format!("{layer}.png")), layer);
+            self.layer_pictures.extend(self.layers.iter().map(beside));
+        }
+        self.pictures.push((path.to_owned(), format));
+        Ok(())
+    }
+
+    fn check(&self, options: &RenderOptions) -> anyhow::Result<()> {
+        let mut seen = HashSet::new();
+        for path in self.paths() {
+            anyhow::ensure!(seen.insert(path), "two outputs have the same name, {}: give each its own", path.display());
+            write::check(path)?;
+        }
+        let taken = seen.contains(Path::new("-")) && options.stats == Some(StatsForm::Json);
+        anyhow::ensure!(!taken, "--stats=json and a picture cannot both go to standard output: give -o a file");
+        Ok(())
+    }
+
+    fn paths(&self) -> impl Iterator<Item = &Path> {
+        let pictures = self.pictures.iter().map(|picture| picture.0.as_path());
+        let layers = self.layer_pictures.iter().map(|picture| picture.0.as_path());
+        pictures.chain(layers).chain(self.heatmap.as_deref())
+    }
+
+    /// The picture files.
+    pub fn pictures(&self) -> &[(PathBuf, Format)] {
+        &self.pictures
+    }
+
+    /// The layers that are asked for, each once.
+    pub fn layers(&self) -> &[Layer] {
+        &self.layers
+    }
+
+    /// Whether tests have to be counted.
+    pub fn needs_tests(&self) -> bool {
+        self.heatmap.is_some() || self.layers.contains(&Layer::Tests)
+    }
+
+    /// The picture files by name, with commas.
+    pub fn names(&self) -> String {
+        let name = |path: &Path| match write::is_standard_output(path) {
+            true => "standard output".to_owned(),
+            false => path.display().to_string(),
+        };
+        let names: Vec<_> = self.pictures.iter().map(|picture| name(&picture.0)).collect();
+        names.join(", ")
+    }
+
+    /// Writes every file. Says what the colours of layers and heat maps mean.
+    pub fn write(&self, results: &Results, interrupt: &Interrupt, quiet: bool) -> anyhow::Result<()> {
+        for (path, format) in &self.pictures {
+            let bytes = match format {
+                Format::Png => png::encode(&png::develop(results.picture, &results.development))?,
+                Format::Exr => exr::encode(results.picture, Some(results.layers), &self.layers)?,
+            };
+            put(path, &bytes, interrupt)?;
+        }
+        for (path, layer) in &self.layer_pictures {
+            put_explained(path, false_color::draw(results.layers, *layer)?, interrupt, quiet)?;
+        }
+        if let (Some(path), Some(tests)) = (&self.heatmap, &results.layers.tests) {
+            let Picture { width, height, .. } = *results.picture;
+            let (picture, scale) = heatmap::draw(width, height, tests, results.heatmap_max);
+            put_explained(path, (picture, scale.to_string()), interrupt, quiet)?;
+        }
+        Ok(())
+    }
+}
+
+fn put_explained(
+    path: &Path,
+    (picture, meaning): (Rgb8, String),
+    interrupt: &Interrupt,
+    quiet: bool,
+) -> anyhow::Result<()> {
+    put(path, &png::encode(&picture)?, interrupt)?;
+    if !quiet {
+        say::line(&format!("{}: {meaning}", path.display()));
+    }
+    Ok(())
+}
+
+fn put(path: &Path, bytes: &[u8], interrupt: &Interrupt) -> anyhow::Result<()> {
+    // A pipe may wait for its reader for ever: Ctrl-C has to work there, and leaves no file.
+    let _held = (!write::is_standard_output(path)).then(|| interrupt.hold());
+    Ok(write::file(path, bytes)?)
+}

@@ -1,0 +1,179 @@
+//! `raywarp render`.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::Context;
+use raywarp::backend::Device;
+use raywarp::image::{Development, Layers};
+use raywarp::render::{self, Rendering, Tracer};
+use raywarp::scene::{load, Camera, LoadOptions, Loaded};
+
+use crate::interrupt::Interrupt;
+use crate::limits;
+use crate::options::{RenderOptions, StatsForm};
+use crate::output::{Plan, Results};
+use crate::progress::Bar;
+use crate::report::{SceneCounts, Seconds, Statistics, TestCounts};
+use crate::say;
+use crate::viewpoint;
+
+/// Renders a scene to files.
+pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
+    let interrupt = Interrupt::install();
+    let region = limits::region(options.size, options.crop)?;
+    let plan = Plan::new(options)?;
+    limits::check_memory(region, &plan, plan.needs_tests() || options.stats.is_some())?;
+    limit_threads(options.threads)?;
+
+    let start = Instant::now();
+    let loaded = read(options.scene.as_deref(), options.strict)?;
+    let load_seconds = start.elapsed().as_secs_f64();
+    let chosen = options.camera.as_deref().map(|name| viewpoint::named(&loaded.scene.cameras, name)).transpose()?;
+    let device = Device::open(options.device)?;
+    let tracer = Tracer::new(&loaded.scene, options.accel, &device)?;
+    say_notes(options, &loaded, &device, &tracer);
+    let camera = viewpoint::adjusted(chosen.unwrap_or(tracer.default_camera()).clone(), options);
+
+    let shot = Shot { options, plan: &plan, tracer: &tracer, camera: &camera };
+    let taken = shot.take()?;
+    let saving = Instant::now();
+    let results = Results {
+        picture: &taken.rendering.picture,
+        layers: &shot.layers(&taken)?,
+        development: Development { exposure: options.exposure, tone_map: options.tone_map },
+        heatmap_max: options.heatmap_max,
+    };
+    plan.write(&results, &interrupt, options.quiet)?;
+
+    let report = tracer.report();
+    let seconds = Seconds {
+        load: load_seconds,
+        flatten: report.flatten_seconds,
+        build: report.build_seconds,
+        upload: report.upload_seconds,
+        kernel: taken.rendering.kernel_seconds,
+        render: taken.seconds,
+        save: saving.elapsed().as_secs_f64(),
+    };
+    let statistics = Statistics {
+        device: device.description(),
+        accel: options.accel.to_string(),
+        size: region,
+        spp: options.spp,
+        scene: SceneCounts::new(&loaded.scene, report),
+        tree: (&report.tree).into(),
+        device_bytes: report.device_bytes,
+        seconds,
+        launches: taken.rendering.launches,
+        non_finite: taken.rendering.non_finite,
+        tests: TestCounts::new(taken.counted(), taken.rendering.kernel_seconds),
+    };
+    conclude(options, &plan, &statistics, start.elapsed().as_secs_f64())
+}
+
+/// The scene of a file, or the built-in one.
+pub fn read(path: Option<&Path>, strict: bool) -> anyhow::Result<Loaded> {
+    Ok(match path {
+        Some(path) => load::load(path, &LoadOptions { strict })?,
+        None => load::builtin()?,
+    })
+}
+
+fn limit_threads(threads: Option<u32>) -> anyhow::Result<()> {
+    let Some(threads) = threads else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
+    pool.build_global().with_context(|| format!("cannot start {threads} threads"))
+}
+
+fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: &Tracer) {
+    if options.quiet {
+        return;
+    }
+    say::warnings(&loaded.warnings);
+    for note in &tracer.report().notes {
+        say::line(&format!("note: {note}"));
+    }
+    if let Some(reason) = device.fallback() {
+        say::line(&format!("note: tracing on the CPU: {reason}"));
+    }
+}
+
+/// One picture to be taken.
+struct Shot<'a> {
+    options: &'a RenderOptions,
+    plan: &'a Plan,
+    tracer: &'a Tracer,
+    camera: &'a Camera,
+}
+
+/// A picture taken.
+struct Taken {
+    rendering: Rendering,
+    seconds: f64,
+    /// The same again with tests counted, where the first was to be timed without.
+    counted: Option<Rendering>,
+}
+
+impl Taken {
+    fn counted(&self) -> &Rendering {
+        self.counted.as_ref().unwrap_or(&self.rendering)
+    }
+}
+
+impl Shot<'_> {
+    fn take(&self) -> anyhow::Result<Taken> {
+        // Counting costs time: where times are asked for, it gets a run of its own.
+        let timed = self.options.stats.is_some();
+        let start = Instant::now();
+        let rendering = self.render(self.plan.needs_tests() && !timed)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let counted = timed.then(|| self.render(true)).transpose()?;
+        Ok(Taken { rendering, seconds, counted })
+    }
+
+    fn render(&self, count_tests: bool) -> anyhow::Result<Rendering> {
+        let mut bar = Bar::new(self.options.quiet);
+        Ok(self.tracer.render(self.camera, &self.library_options(count_tests), &mut |done| bar.update(done))?)
+    }
+
+    fn layers(&self, taken: &Taken) -> anyhow::Result<Layers> {
+        let (width, height) = (taken.rendering.picture.width, taken.rendering.picture.height);
+        let asked = !self.plan.layers().is_empty();
+        let surfels = if asked { self.tracer.layers(self.camera, &self.library_options(false))? } else { Vec::new() };
+        Ok(Layers { width, height, surfels, tests: taken.counted().tests.clone() })
+    }
+
+    fn library_options(&self, count_tests: bool) -> render::RenderOptions {
+        let options = self.options;
+        render::RenderOptions {
+            size: options.size,
+            spp: options.spp,
+            max_depth: options.max_depth,
+            shadows: !options.no_shadows,
+            seed: options.seed,
+            crop: options.crop,
+            count_tests,
+        }
+    }
+}
+
+fn conclude(options: &RenderOptions, plan: &Plan, statistics: &Statistics, total: f64) -> anyhow::Result<()> {
+    match options.stats {
+        Some(StatsForm::Json) => say::out(format!("{}\n", serde_json::to_string_pretty(statistics)?).as_bytes())?,
+        Some(StatsForm::Table) => say::line(statistics.table().trim_end()),
+        None => {}
+    }
+    if !options.quiet {
+        let ([width, height], seconds) = (statistics.size, &statistics.seconds);
+        say::line(&format!(
+            "{}: {width}x{height} pixels on {} in {} (rendering {}, kernels {})",
+            plan.names(),
+            statistics.device,
+            say::seconds(total),
+            say::seconds(seconds.render),
+            say::seconds(seconds.kernel),
+        ));
+    }
+    Ok(())
+}

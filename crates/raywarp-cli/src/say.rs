@@ -1,0 +1,56 @@
+//! Words for people go to standard error, results to standard output.
+
+use std::io::{self, Write};
+
+/// A line on standard error. Where nobody can read it, nothing is lost.
+pub fn line(text: &str) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// Most warnings that are shown one by one.
+const SHOWN_WARNINGS: usize = 20;
+
+/// Warnings, a line each, and how many more there are.
+pub fn warnings<T: std::fmt::Display>(warnings: &[T]) {
+    for warning in warnings.iter().take(SHOWN_WARNINGS) {
+        line(&format!("warning: {warning}"));
+    }
+    if warnings.len() > SHOWN_WARNINGS {
+        line(&format!("warning: and {} more of {}", warnings.len() - SHOWN_WARNINGS, warnings.len()));
+    }
+}
+
+/// Text on standard output.
+///
+/// # Errors
+/// Where it cannot be written; a reader that has gone is told apart by [`exit_code`](crate::failure::exit_code).
+pub fn out(bytes: &[u8]) -> io::Result<()> {
+    let mut output = io::stdout().lock();
+    output.write_all(bytes)?;
+    output.flush()
+}
+
+/// Bytes for people.
+pub fn bytes(bytes: u64) -> String {
+    const UNITS: [&str; 4] = ["KiB", "MiB", "GiB", "TiB"];
+    let mut size = bytes as f64 / 1024.0;
+    let mut unit = 0;
+    while size >= 1024.0 && unit + 1 < UNITS.len() {
+        size /= 1024.0;
+        unit += 1;
+    }
+    if bytes < 1024 {
+        format!("{bytes} bytes")
+    } else {
+        format!("{size:.1} {}", UNITS[unit])
+    }
+}
+
+/// A duration for people.
+pub fn seconds(seconds: f64) -> String {
+    if seconds < 1.0 {
+        format!("{:.1} ms", 1e3 * seconds)
+    } else {
+        format!("{seconds:.2} s")
+    }
+}

@@ -1,0 +1,121 @@
+//! What the arguments of options mean, and which make no sense.
+
+use std::str::FromStr;
+
+use raywarp::render::MAX_SIDE;
+
+/// `WxH` in pixels.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    let form = || "give width and height in pixels, such as 1920x1080".to_owned();
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(form)?;
+    let side = |text: &str| text.parse::<u64>().map_err(|_| form());
+    let (width, height) = (side(width)?, side(height)?);
+    if width == 0 || height == 0 {
+        return Err("a picture has at least 1x1 pixels".to_owned());
+    }
+    let side = |side: u64| u32::try_from(side).ok().filter(|&side| side <= MAX_SIDE);
+    match (side(width), side(height)) {
+        (Some(width), Some(height)) => Ok([width, height]),
+        _ => Err(format!("a picture has at most {MAX_SIDE} pixels each way")),
+    }
+}
+
+/// `x0,y0,x1,y1` in pixels from the upper left, the end excluded.
+pub fn crop(text: &str) -> Result<[u32; 4], String> {
+    let form = "give the first column and row and the ones after the last, such as 100,50,740,410";
+    let [x0, y0, x1, y1] = numbers::<u32, 4>(text).ok_or(form)?;
+    if x0 >= x1 || y0 >= y1 {
+        return Err("it holds no pixels: x0 must be less than x1, and y0 less than y1".to_owned());
+    }
+    Ok([x0, y0, x1, y1])
+}
+
+/// `x,y,z`, all finite.
+pub fn vector(text: &str) -> Result<[f32; 3], String> {
+    let vector = numbers::<f32, 3>(text).ok_or("give three numbers, such as 0,1.5,-3")?;
+    if vector.iter().all(|coordinate| coordinate.is_finite()) {
+        Ok(vector)
+    } else {
+        Err("coordinates are finite numbers".to_owned())
+    }
+}
+
+/// A direction: `x,y,z`, or an axis such as `+Z`.
+pub fn direction(text: &str) -> Result<[f32; 3], String> {
+    let direction = match text.to_ascii_lowercase().as_str() {
+        "+x" | "x" => [1.0, 0.0, 0.0],
+        "+y" | "y" => [0.0, 1.0, 0.0],
+        "+z" | "z" => [0.0, 0.0, 1.0],
+        "-x" => [-1.0, 0.0, 0.0],
+        "-y" => [0.0, -1.0, 0.0],
+        "-z" => [0.0, 0.0, -1.0],
+        _ => vector(text).map_err(|error| format!("{error}, or an axis, such as +Z"))?,
+    };
+    if direction == [0.0; 3] {
+        return Err("a direction is not zero".to_owned());
+    }
+    Ok(direction)
+}
+
+/// A field of view in degrees.
+pub fn field_of_view(text: &str) -> Result<f32, String> {
+    ranged(text, 0.001, 179.0).ok_or_else(|| "give an angle from 0.001 to 179 degrees".to_owned())
+}
+
+/// Stops.
+pub fn exposure(text: &str) -> Result<f32, String> {
+    ranged(text, -60.0, 60.0).ok_or_else(|| "give a number of stops from -60 to 60".to_owned())
+}
+
+fn ranged(text: &str, low: f32, high: f32) -> Option<f32> {
+    text.parse().ok().filter(|value| (low..=high).contains(value))
+}
+
+fn numbers<T: FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
+    let numbers: Option<Vec<T>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    numbers?.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_and_absurd_ones_refused() {
+        assert_eq!(size("1920x1080"), Ok([1920, 1080]));
+        for (text, reason) in [
+            ("1920", "give width"),
+            ("x", "give width"),
+            ("-1x5", "give width"),
+            ("0x5", "at least"),
+            ("5x0", "at least"),
+            ("1x65537", "at most"),
+            ("99999999999x1", "at most"),
+        ] {
+            assert!(size(text).is_err_and(|error| error.contains(reason)), "{text}");
+        }
+    }
+
+    #[test]
+    fn crops_hold_pixels() {
+        assert_eq!(crop("1, 2, 3, 4"), Ok([1, 2, 3, 4]));
+        for text in ["", "1,2,3", "1,2,1,4", "1,4,3,2", "1,2,3,4,5", "-1,0,3,3"] {
+            assert!(crop(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn vectors_are_finite_and_directions_not_zero() {
+        assert_eq!(vector("1,-2.5,3e1"), Ok([1.0, -2.5, 30.0]));
+        assert_eq!(direction("-Z"), Ok([0.0, 0.0, -1.0]));
+        assert!(vector("1,2,nan").is_err() && vector("inf,0,0").is_err() && vector("1,2").is_err());
+        assert!(direction("0,0,0").is_err() && direction("up").is_err());
+    }
+
+    #[test]
+    fn angles_and_stops_have_bounds() {
+        assert_eq!(field_of_view("45"), Ok(45.0));
+        assert!(["0", "180", "nan", "-5", "x"].iter().all(|text| field_of_view(text).is_err()));
+        assert!(["inf", "nan", "61"].iter().all(|text| exposure(text).is_err()));
+    }
+}

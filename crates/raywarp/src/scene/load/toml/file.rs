@@ -1,0 +1,379 @@
+//! What a scene file can say, key by key. `docs/scene-file.md` describes it for people.
+
+use std::fmt;
+
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::values::{
+    Color, FieldOfView, Filter, Finite, Ior, NonNegative, PerAxis, Positive, Share, SpotAngle, TextOrTable,
+};
+
+/// A name, and where it stands.
+pub type Name = Spanned<String>;
+
+/// Three coordinates.
+pub type Vector = [Finite; 3];
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct File {
+    pub version: Spanned<i64>,
+    #[serde(default)]
+    pub up: Up,
+    #[serde(default)]
+    pub meshes: Vec<Spanned<Mesh>>,
+    #[serde(default)]
+    pub instances: Vec<Spanned<Instance>>,
+    #[serde(default)]
+    pub materials: Vec<Spanned<Material>>,
+    #[serde(default)]
+    pub lights: Vec<Spanned<Light>>,
+    #[serde(default)]
+    pub cameras: Vec<Spanned<Camera>>,
+    pub background: Option<Background>,
+    pub ambient: Option<Color>,
+}
+
+#[derive(Clone, Copy, Default, Deserialize, PartialEq)]
+pub enum Up {
+    #[default]
+    #[serde(rename = "+Y")]
+    Y,
+    #[serde(rename = "+Z")]
+    Z,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mesh {
+    pub name: Option<Name>,
+    pub file: Option<Name>,
+    pub vertices: Option<Vec<Vector>>,
+    #[serde(default)]
+    pub faces: Vec<Spanned<Vec<i64>>>,
+    #[serde(default)]
+    pub uvs: Vec<[Finite; 2]>,
+    pub normals: Option<Normals>,
+    pub material: Option<Name>,
+    #[serde(default = "yes")]
+    pub lights: bool,
+    #[serde(default = "yes")]
+    pub cameras: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// Where shading normals come from.
+pub enum Normals {
+    File,
+    Flat,
+    Smooth,
+    Given(Vec<Vector>),
+}
+
+impl<'de> Deserialize<'de> for Normals {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(NormalsVisitor)
+    }
+}
+
+struct NormalsVisitor;
+
+impl<'de> Visitor<'de> for NormalsVisitor {
+    type Value = Normals;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("\"file\", \"flat\", \"smooth\", or an array of one normal a vertex")
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Normals, E> {
+        match text {
+            "file" => Ok(Normals::File),
+            "flat" => Ok(Normals::Flat),
+            "smooth" => Ok(Normals::Smooth),
+            _ => Err(E::unknown_variant(text, &["file", "flat", "smooth"])),
+        }
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, normals: A) -> Result<Normals, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(normals)).map(Normals::Given)
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Instance {
+    pub mesh: Name,
+    pub name: Option<String>,
+    pub translate: Option<Vector>,
+    pub rotate: Option<Rotation>,
+    pub scale: Option<PerAxis<3>>,
+    pub matrix: Option<Spanned<Vec<[Finite; 4]>>>,
+    pub material: Option<Name>,
+}
+
+/// A turn.
+pub enum Rotation {
+    /// By degrees about x, then y, then z.
+    Euler(Vector),
+    About(AxisAngle),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisAngle {
+    pub axis: Vector,
+    pub degrees: Finite,
+}
+
+impl<'de> Deserialize<'de> for Rotation {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(RotationVisitor)
+    }
+}
+
+struct RotationVisitor;
+
+impl<'de> Visitor<'de> for RotationVisitor {
+    type Value = Rotation;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("[x, y, z] in degrees, or { axis = [x, y, z], degrees = angle }")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, angles: A) -> Result<Rotation, A::Error> {
+        Deserialize::deserialize(SeqAccessDeserializer::new(angles)).map(Rotation::Euler)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Rotation, A::Error> {
+        AxisAngle::deserialize(MapAccessDeserializer::new(map)).map(Rotation::About)
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    pub name: Name,
+    pub ambient: Option<Color>,
+    pub diffuse: Option<Color>,
+    pub specular: Option<Color>,
+    pub shininess: Option<NonNegative>,
+    pub emission: Option<Color>,
+    pub reflection: Option<Filter>,
+    pub transmission: Option<Filter>,
+    pub ior: Option<Ior>,
+    #[serde(default)]
+    pub fresnel: bool,
+    pub opacity: Option<Share>,
+    pub alpha: Option<Alpha>,
+    pub cutoff: Option<Share>,
+    #[serde(default)]
+    pub unlit: bool,
+    pub diffuse_map: Option<Spanned<Texture>>,
+    pub specular_map: Option<Spanned<Texture>>,
+    pub emission_map: Option<Spanned<Texture>>,
+    pub opacity_map: Option<Spanned<Texture>>,
+    pub normal_map: Option<Spanned<Texture>>,
+    pub height_map: Option<Spanned<Texture>>,
+}
+
+#[derive(Clone, Copy, Deserialize, PartialEq)]
+#[serde(rename_all = "lowercase")]
+pub enum Alpha {
+    Opaque,
+    Mask,
+    Blend,
+}
+
+/// A texture: a file name, or a table.
+pub struct Texture(pub TextureTable);
+
+impl<'de> Deserialize<'de> for Texture {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let expected = "an image file's name, or a table such as { file = \"wood.png\", wrap = \"clamp\" }";
+        deserializer.deserialize_any(TextOrTable::new(expected)).map(Self)
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TextureTable {
+    pub file: String,
+    pub srgb: Option<bool>,
+    pub wrap: Option<Wraps>,
+    pub filter: Option<Filtering>,
+    pub channel: Option<Channel>,
+    pub scale: Option<PerAxis<2>>,
+    pub offset: Option<[Finite; 2]>,
+    pub base: Option<Finite>,
+    pub gain: Option<Finite>,
+    pub strength: Option<Finite>,
+}
+
+impl From<String> for TextureTable {
+    fn from(file: String) -> Self {
+        Self {
+            file,
+            srgb: None,
+            wrap: None,
+            filter: None,
+            channel: None,
+            scale: None,
+            offset: None,
+            base: None,
+            gain: None,
+            strength: None,
+        }
+    }
+}
+
+/// One way for both directions, or one for each.
+pub struct Wraps(pub [Wrap; 2]);
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Wrap {
+    Repeat,
+    Clamp,
+    Mirror,
+}
+
+impl<'de> Deserialize<'de> for Wraps {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(WrapsVisitor)
+    }
+}
+
+struct WrapsVisitor;
+
+impl<'de> Visitor<'de> for WrapsVisitor {
+    type Value = Wraps;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("\"repeat\", \"clamp\" or \"mirror\", or an array of two of them")
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Wraps, E> {
+        let wrap = Wrap::deserialize(serde::de::value::StrDeserializer::new(text))?;
+        Ok(Wraps([wrap; 2]))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, wraps: A) -> Result<Wraps, A::Error> {
+        Deserialize::deserialize(SeqAccessDeserializer::new(wraps)).map(Wraps)
+    }
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Filtering {
+    Nearest,
+    Bilinear,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Channel {
+    Rgb,
+    Red,
+    Green,
+    Blue,
+    Alpha,
+    Luminance,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Light {
+    pub name: Option<String>,
+    pub kind: LightKind,
+    pub position: Option<Vector>,
+    pub direction: Option<Vector>,
+    pub target: Option<Vector>,
+    pub color: Option<Color>,
+    pub intensity: Option<NonNegative>,
+    pub attenuation: Option<[NonNegative; 3]>,
+    pub range: Option<Positive>,
+    pub inner: Option<SpotAngle>,
+    pub outer: Option<SpotAngle>,
+}
+
+#[derive(Clone, Copy, Deserialize, PartialEq)]
+#[serde(rename_all = "lowercase")]
+pub enum LightKind {
+    Point,
+    Directional,
+    Spot,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Camera {
+    pub name: Option<String>,
+    pub eye: Vector,
+    pub target: Vector,
+    pub up: Option<Vector>,
+    pub fov: Option<FieldOfView>,
+    pub height: Option<Positive>,
+}
+
+/// One colour all around, or three.
+pub enum Background {
+    Constant([f32; 3]),
+    Sky(Sky),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sky {
+    pub zenith: Color,
+    pub horizon: Color,
+    pub ground: Color,
+}
+
+impl<'de> Deserialize<'de> for Background {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(BackgroundVisitor)
+    }
+}
+
+struct BackgroundVisitor;
+
+impl BackgroundVisitor {
+    /// A colour from what it is written as.
+    fn constant<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Background, D::Error> {
+        Color::deserialize(deserializer).map(|color| Background::Constant(color.0))
+    }
+}
+
+impl<'de> Visitor<'de> for BackgroundVisitor {
+    type Value = Background;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a colour, or a table with zenith, horizon and ground")
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Background, E> {
+        Self::constant(serde::de::value::F64Deserializer::new(value))
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Background, E> {
+        self.visit_f64(value as f64)
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Background, E> {
+        Self::constant(serde::de::value::StrDeserializer::new(text))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, channels: A) -> Result<Background, A::Error> {
+        Self::constant(SeqAccessDeserializer::new(channels))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Background, A::Error> {
+        Sky::deserialize(MapAccessDeserializer::new(map)).map(Background::Sky)
+    }
+}
