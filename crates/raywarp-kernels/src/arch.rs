@@ -48,7 +48,7 @@ pub fn max(a: f32, b: f32) -> f32 {
 /// alignment, at most 64 bytes, and any bits are a valid `T`.
 #[inline(always)]
 pub unsafe fn load<T: Copy>(from: *const T) -> T {
-    const { assert!(core::mem::size_of::<T>() % 16 == 0 && core::mem::align_of::<T>() % 16 == 0) };
+    const { assert!(core::mem::size_of::<T>().is_multiple_of(16) && core::mem::align_of::<T>().is_multiple_of(16)) };
     #[cfg(target_arch = "nvptx64")]
     // SAFETY: the caller's promise; the granules lie within the `T`.
     return unsafe { load_granules(from) };

@@ -183,8 +183,8 @@ impl<S: Structure> Surfels<S> {
             return Surfel::NONE;
         }
         let index = self.scene.primitives.load(hit.primitive).material;
-        let material = self.scene.materials.at(index);
-        let surface = self.scene.surface(ray, hit, &material);
+        let material = self.scene.materials.item(index);
+        let surface = self.scene.surface(ray, hit, material);
         Surfel {
             depth: hit.t,
             uv: surface.uv,

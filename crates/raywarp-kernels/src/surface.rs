@@ -105,8 +105,8 @@ const OFFSET: f32 = 32.0 / 16_777_216.0;
 impl Scene {
     /// The material of a triangle.
     #[inline(always)]
-    pub fn material(&self, primitive: u32) -> Material {
-        self.materials.at(self.primitives.load(primitive).material)
+    pub fn material(&self, primitive: u32) -> &Material {
+        self.materials.item(self.primitives.load(primitive).material)
     }
 
     #[inline(always)]
@@ -158,7 +158,11 @@ impl Scene {
             coverage *= self.textures.sample(material.opacity_map, uv[0], uv[1]).color.x;
         }
         let coverage = if material.flags & flags::MASK != 0 {
-            if coverage >= material.cutoff { 1.0 } else { 0.0 }
+            if coverage >= material.cutoff {
+                1.0
+            } else {
+                0.0
+            }
         } else if material.flags & flags::BLEND != 0 {
             crate::math::clamp(coverage, 0.0, 1.0)
         } else {

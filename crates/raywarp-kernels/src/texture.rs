@@ -83,7 +83,8 @@ pub struct Textures {
 
 impl Textures {
     /// The colour of texture `index` at mesh coordinates (u, v), v up.
-    #[inline]
+    // Not inlined: a surface may sample five textures, and on the GPU code that is not in the cache is slow.
+    #[inline(never)]
     pub fn sample(&self, index: u32, u: f32, v: f32) -> Texel {
         let texture = self.list.at(index);
         let (x, y) = texture.position(u, v);
@@ -107,7 +108,7 @@ impl Textures {
     }
 
     /// Slope of the luminance, in full range a texel, to the right and upwards; for height maps.
-    #[inline]
+    #[inline(never)]
     pub fn slope(&self, index: u32, u: f32, v: f32) -> (f32, f32) {
         let texture = self.list.at(index);
         let (x, y) = texture.position(u, v);
@@ -118,7 +119,7 @@ impl Textures {
         (0.5 * (height(1.0, 0.0) - height(-1.0, 0.0)), 0.5 * (height(0.0, -1.0) - height(0.0, 1.0)))
     }
 
-    #[inline(always)]
+    #[inline(never)]
     fn texel(&self, texture: &Texture, x: f32, y: f32) -> Texel {
         let column = wrap(x, texture.width, texture.mode & 3);
         let row = wrap(y, texture.height, texture.mode >> 2 & 3);
@@ -193,7 +194,16 @@ mod tests {
     fn sample(mode: u32, u: f32) -> Texel {
         let texels = [0x0000_0000u32, 0xffff_ffff];
         let row = |x: f32, y: f32| Vec3::new(x, y, 0.0);
-        let list = [Texture { first: 0, width: 2, height: 1, mode, u_row: row(1.0, 0.0), v_row: row(0.0, 1.0), base: 0.0, gain: 1.0 }];
+        let list = [Texture {
+            first: 0,
+            width: 2,
+            height: 1,
+            mode,
+            u_row: row(1.0, 0.0),
+            v_row: row(0.0, 1.0),
+            base: 0.0,
+            gain: 1.0,
+        }];
         // SAFETY: the arrays outlive the sampling below.
         let textures = unsafe {
             Textures { list: View::new(list.as_ptr(), 1), texels: View::new(texels.as_ptr(), 2), decode: View::EMPTY }

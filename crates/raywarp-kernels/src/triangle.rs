@@ -68,7 +68,9 @@ impl Triangle {
             let t = e2.dot(q) * sign * inverse;
             return Some(Hit { t, u: u * inverse, v: v * inverse, primitive: self.primitive });
         }
-        self.decide(ray)
+        // Copies, so that only this rare case has the two in memory and not in registers.
+        let (triangle, ray) = (*self, *ray);
+        triangle.decide(&ray)
     }
 
     /// The same question in double precision, symmetrically: each edge function is a determinant of the direction and

@@ -54,6 +54,14 @@ impl<T: Copy> View<T> {
         unsafe { *self.address.add(index as usize) }
     }
 
+    /// The item at `index` where it lies: for large items of which only parts are read.
+    #[inline(always)]
+    pub fn item(&self, index: u32) -> &T {
+        debug_assert!(index < self.len, "index {index} of {}", self.len);
+        // SAFETY: as for `at`; nothing writes the items while a kernel runs.
+        unsafe { &*self.address.add(index as usize) }
+    }
+
     /// As [`at`](Self::at), by 128-bit loads; for items of 16-byte granules whose every bit pattern is valid.
     #[inline(always)]
     pub fn load(&self, index: u32) -> T {
@@ -130,3 +138,36 @@ impl<T: Copy> ViewMut<T> {
         }
     }
 }
+
+/// Data that a device may hold: bytes without padding, of which every pattern is a value, zeros included.
+///
+/// # Safety
+/// As the sentence says.
+pub unsafe trait Plain: Copy + Send + Sync + 'static {}
+
+macro_rules! plain {
+    ($($item:ty),* $(,)?) => {$(
+        // SAFETY: a `repr(C)` or primitive type of 4-byte numbers that fill it without gaps.
+        unsafe impl Plain for $item {}
+    )*};
+}
+
+plain!(
+    u32,
+    f32,
+    [f32; 2],
+    [f32; 4],
+    crate::film::Pixel,
+    crate::kernels::Surfel,
+    crate::light::Light,
+    crate::material::Material,
+    crate::math::Vec3,
+    crate::ray::Hit,
+    crate::ray::Ray,
+    crate::surface::Primitive,
+    crate::texture::Texture,
+    crate::traverse::Tests,
+    crate::traverse::bvh2::Node,
+    crate::traverse::kdtree::Node,
+    crate::triangle::Triangle,
+);

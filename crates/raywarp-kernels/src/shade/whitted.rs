@@ -71,11 +71,11 @@ pub fn trace<S: Structure, C: Counter>(
         } else {
             any = true;
             let material = scene.material(hit.primitive);
-            let surface = scene.surface(&branch.ray, &hit, &material);
+            let surface = scene.surface(&branch.ray, &hit, material);
             let weight = branch.weight * surface.coverage;
-            radiance += weight * tracer.local(&branch.ray, &surface, &material);
+            radiance += weight * tracer.local(&branch.ray, &surface, material);
             if branch.depth < limits.depth {
-                scatter(&branch, weight, &surface, &material, &mut waiting);
+                scatter(&branch, weight, &surface, material, &mut waiting);
             }
             // Go on straight behind a surface that covers only part.
             branch.weight = branch.weight * (1.0 - surface.coverage);
@@ -144,7 +144,8 @@ impl<S: Structure, C: Counter> Tracer<'_, S, C> {
     }
 
     /// What a shadow ray that meets nothing opaque brings through, surface by surface.
-    #[inline(always)]
+    #[cold]
+    #[inline(never)]
     fn filter(&mut self, ray: &Ray) -> Vec3 {
         let (mut share, mut previous) = (Vec3::ONE, START);
         while share.max_abs() > FAINT {
@@ -153,7 +154,7 @@ impl<S: Structure, C: Counter> Tracer<'_, S, C> {
                 return share;
             }
             let material = self.scene.material(previous.primitive);
-            let coverage = self.scene.coverage(&previous, &material);
+            let coverage = self.scene.coverage(&previous, material);
             share = share * mix(Vec3::ONE, material.transmission, coverage);
         }
         Vec3::ZERO
@@ -176,7 +177,7 @@ pub fn visible<S: Structure>(
             return hit;
         }
         let material = scene.material(hit.primitive);
-        if material.flags & flags::MASK == 0 || scene.coverage(&hit, &material) > 0.0 {
+        if material.flags & flags::MASK == 0 || scene.coverage(&hit, material) > 0.0 {
             return hit;
         }
     }

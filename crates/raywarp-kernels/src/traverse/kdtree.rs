@@ -1,10 +1,10 @@
 //! A k-d tree in a flat array, traversed with a stack (the paper's structure).
 
-use crate::stack::Stack;
 use super::{Counter, Structure};
 use crate::arch;
 use crate::math::Vec3;
 use crate::ray::Ray;
+use crate::stack::Stack;
 use crate::triangle::Triangle;
 use crate::view::View;
 
@@ -149,9 +149,7 @@ impl Structure for KdTree {
             }
             // Early exit: what waits on the stack lies behind this cell, so a hit inside it is the nearest.
             match stack.pop() {
-                Some(cell) if later(t_far) >= cell.first => {
-                    (index, first, last) = (cell.node, cell.first, cell.last)
-                }
+                Some(cell) if later(t_far) >= cell.first => (index, first, last) = (cell.node, cell.first, cell.last),
                 _ => return,
             }
         }

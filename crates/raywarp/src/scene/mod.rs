@@ -10,6 +10,7 @@ mod light;
 pub mod load;
 mod material;
 mod mesh;
+pub mod normals;
 
 pub use background::Background;
 pub use camera::{Camera, Projection};

@@ -6,8 +6,12 @@ mod images;
 mod mtl;
 mod obj;
 mod ply;
+mod quote;
+mod repair;
 mod source;
+mod text;
 mod toml;
+mod triangulate;
 
 use std::path::Path;
 

@@ -5,6 +5,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use super::error::Place;
+use super::images::ImageIndices;
 use super::LoadError;
 
 /// How forgiving reading is.
@@ -40,12 +41,13 @@ pub struct Sources {
     options: LoadOptions,
     warnings: Vec<Warning>,
     seen: HashSet<Warning>,
+    pub(super) images: ImageIndices,
 }
 
 impl Sources {
     /// No file read yet.
     pub fn new(options: &LoadOptions) -> Self {
-        Self { options: *options, warnings: Vec::new(), seen: HashSet::new() }
+        Self { options: *options, warnings: Vec::new(), seen: HashSet::new(), images: ImageIndices::default() }
     }
 
     /// Records a warning, the same one only once.
@@ -66,7 +68,8 @@ impl Sources {
     /// The whole file.
     ///
     /// # Errors
-    /// [`LoadError::Io`] for a missing or unreadable file or a directory.
+    /// [`LoadError::Io`] for a missing or unreadable file, [`LoadError::Unsupported`] for what is no regular file: a
+    /// directory holds nothing to read, and a pipe or a device might never end.
     pub fn bytes(&self, path: &Path) -> Result<Vec<u8>, LoadError> {
         let failed = |source: std::io::Error| LoadError::Io {
             path: path.to_owned(),
@@ -74,13 +77,8 @@ impl Sources {
             source,
         };
         let metadata = std::fs::metadata(path).map_err(failed)?;
-        if metadata.is_dir() {
-            return Err(LoadError::Unsupported {
-                path: path.to_owned(),
-                place: Place::File,
-                what: "a directory as a scene".to_owned(),
-                help: "Name the scene file inside it.".to_owned(),
-            });
+        if !metadata.is_file() {
+            return Err(not_a_file(path, metadata.is_dir()));
         }
         std::fs::read(path).map_err(failed)
     }
@@ -89,6 +87,15 @@ impl Sources {
     pub fn into_warnings(self) -> Vec<Warning> {
         self.warnings
     }
+}
+
+fn not_a_file(path: &Path, is_directory: bool) -> LoadError {
+    let (what, help) = if is_directory {
+        ("a directory as a scene", "Name the scene file inside it.")
+    } else {
+        ("a pipe or a device as a scene", "Write it to a file first.")
+    };
+    LoadError::Unsupported { path: path.to_owned(), place: Place::File, what: what.to_owned(), help: help.to_owned() }
 }
 
 fn help_for(error: &std::io::Error) -> &'static str {

@@ -1,0 +1,163 @@
+//! Where to cut a range of triangles: the surface area heuristic over bins (Wald 2007).
+
+use raywarp_kernels::triangle::Triangle;
+
+use super::bounds::Bounds;
+use super::{NODE_COST, TRIANGLE_COST};
+
+/// Bins an axis.
+const BINS: usize = 16;
+
+/// A triangle as the builder sees it: half a cache line.
+#[derive(Clone, Copy)]
+#[repr(align(32))]
+pub(super) struct Item {
+    pub bounds: Bounds,
+    pub index: u32,
+}
+
+impl Item {
+    pub fn new(index: u32, triangle: &Triangle) -> Self {
+        Self { bounds: Bounds::of(triangle), index }
+    }
+}
+
+/// A range cut in two.
+pub(super) struct Split {
+    /// Items of the first part.
+    pub middle: usize,
+    /// Of each part.
+    pub bounds: [Bounds; 2],
+}
+
+/// Which bin a centre belongs to: evenly spaced between the outermost centres of a range.
+#[derive(Clone, Copy)]
+struct Grid {
+    low: [f32; 3],
+    scale: [f32; 3],
+}
+
+impl Grid {
+    fn around(items: &[Item]) -> Self {
+        let centres = items.iter().fold(Bounds::EMPTY, |all, item| {
+            let centre = item.bounds.centre();
+            all.join(&Bounds { low: centre, high: centre })
+        });
+        let scale = [0, 1, 2].map(|i| BINS as f32 / (centres.high[i] - centres.low[i]));
+        Self { low: centres.low, scale }
+    }
+
+    /// The conversion brings what rounding, overflow or NaN make of it back into range.
+    #[inline(always)]
+    fn bin(&self, centre: [f32; 3], axis: usize) -> usize {
+        (((centre[axis] - self.low[axis]) * self.scale[axis]) as usize).min(BINS - 1)
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Bin {
+    bounds: Bounds,
+    count: u32,
+}
+
+impl Bin {
+    const EMPTY: Self = Self { bounds: Bounds::EMPTY, count: 0 };
+
+    #[inline(always)]
+    fn join(&self, other: &Self) -> Self {
+        Self { bounds: self.bounds.join(&other.bounds), count: self.count + other.count }
+    }
+
+    /// Cost of a leaf of it, times the area of its box.
+    fn cost(&self) -> f64 {
+        TRIANGLE_COST * f64::from(self.count) * self.bounds.half_area()
+    }
+}
+
+/// The triangles of a range by the position of their centres along each axis.
+pub(super) struct Bins {
+    grid: Grid,
+    axes: [[Bin; BINS]; 3],
+}
+
+impl Bins {
+    pub fn fill(items: &[Item]) -> Self {
+        let grid = Grid::around(items);
+        let mut axes = [[Bin::EMPTY; BINS]; 3];
+        for item in items {
+            let centre = item.bounds.centre();
+            for (axis, bins) in axes.iter_mut().enumerate() {
+                let bin = &mut bins[grid.bin(centre, axis)];
+                *bin = bin.join(&Bin { bounds: item.bounds, count: 1 });
+            }
+        }
+        Self { grid, axes }
+    }
+
+    /// The cheapest cut between two bins; none where all centres share a bin on every axis.
+    pub fn best(&self) -> Option<Cut> {
+        let cuts = (0..3).filter_map(|axis| self.best_on(axis));
+        cuts.min_by(|a, b| a.children.total_cmp(&b.children))
+    }
+
+    /// Sweeps from the right to know every right part, then from the left to weigh each against its left part.
+    fn best_on(&self, axis: usize) -> Option<Cut> {
+        let bins = &self.axes[axis];
+        let mut right = [Bin::EMPTY; BINS + 1];
+        for i in (0..BINS).rev() {
+            right[i] = right[i + 1].join(&bins[i]);
+        }
+        let (mut left, mut best) = (Bin::EMPTY, None::<Cut>);
+        for first in 1..BINS {
+            left = left.join(&bins[first - 1]);
+            let parts = [left, right[first]];
+            if parts[0].count == 0 || parts[1].count == 0 || bins[first - 1].count == 0 {
+                continue;
+            }
+            let children = parts[0].cost() + parts[1].cost();
+            if best.as_ref().is_none_or(|best| children < best.children) {
+                let bounds = parts.map(|part| part.bounds);
+                best = Some(Cut { grid: self.grid, axis, first, bounds, middle: left.count as usize, children });
+            }
+        }
+        best
+    }
+}
+
+/// A place to cut: what lies in a bin before `first` goes left.
+pub(super) struct Cut {
+    grid: Grid,
+    axis: usize,
+    first: usize,
+    middle: usize,
+    bounds: [Bounds; 2],
+    /// Expected cost of the two parts as leaves, times the area of the box around both.
+    children: f64,
+}
+
+impl Cut {
+    /// Expected cost of a ray that meets the box around both parts.
+    pub fn cost(&self) -> f64 {
+        NODE_COST + self.children / self.bounds[0].join(&self.bounds[1]).half_area()
+    }
+
+    /// Reorders the range that the bins were filled from.
+    pub fn apply(self, items: &mut [Item]) -> Split {
+        let is_left = |item: &Item| self.grid.bin(item.bounds.centre(), self.axis) < self.first;
+        let (mut left, mut right) = (0, items.len());
+        loop {
+            while left < right && is_left(&items[left]) {
+                left += 1;
+            }
+            while left < right && !is_left(&items[right - 1]) {
+                right -= 1;
+            }
+            if left >= right {
+                break;
+            }
+            items.swap(left, right - 1);
+        }
+        debug_assert_eq!(left, self.middle);
+        Split { middle: left, bounds: self.bounds }
+    }
+}

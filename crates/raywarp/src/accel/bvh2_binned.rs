@@ -1,0 +1,133 @@
+//! Builds a [`Bvh2`] by the surface area heuristic, from the top, with bins (Wald 2007).
+//!
+//! Each range of triangles is split where the bins of their centres say that the expected cost of a ray is least, over
+//! all three axes, until a leaf is cheaper. Where centres coincide or the tree becomes too deep, the range is halved
+//! instead, so that every input ends within the levels that traversal's stack holds.
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+use raywarp_kernels::math::Vec3;
+use raywarp_kernels::ray::MISS;
+use raywarp_kernels::traverse::bvh2::{Child, Node, MAX_DEPTH, MAX_INDEX, MAX_LEAF};
+use raywarp_kernels::triangle::Triangle;
+
+use super::bins::{Bins, Item, Split};
+use super::bounds::Bounds;
+use super::bvh2::Bvh2;
+use super::{BuildError, TRIANGLE_COST};
+
+/// Most triangles of a leaf. More only pays where the heuristic's costs are wrong.
+const LEAF: usize = 8;
+
+/// Ranges longer than this are built by two threads; shorter ones are not worth the hand-over.
+const PARALLEL: usize = 4096;
+
+const _: () = assert!(LEAF <= MAX_LEAF as usize);
+
+/// Builds the tree. The result depends on the triangles and their order alone, not on the number of threads.
+///
+/// # Errors
+/// More than [`MAX_INDEX`] triangles.
+pub fn build(triangles: Vec<Triangle>) -> Result<Bvh2, BuildError> {
+    let start = Instant::now();
+    BuildError::check(triangles.len(), MAX_INDEX)?;
+    let mut items: Vec<Item> = triangles.par_iter().enumerate().map(|(i, t)| Item::new(i as u32, t)).collect();
+    let mut nodes = Vec::with_capacity(triangles.len() / 2);
+    match grow(&mut items, 0, MAX_DEPTH, &mut nodes) {
+        Some(root) if root.is_leaf() => nodes.push(alone(root, around(&items))),
+        Some(_) => {}
+        None => return Ok(empty(start)),
+    }
+    let triangles = items.par_iter().map(|item| triangles[item.index as usize]).collect();
+    Ok(Bvh2 { nodes, triangles, build_seconds: start.elapsed().as_secs_f64() })
+}
+
+/// Adds the tree of a range that starts at triangle `first`, with at most `levels` inner nodes on the way to a leaf.
+fn grow(items: &mut [Item], first: u32, levels: usize, nodes: &mut Vec<Node>) -> Option<Child> {
+    let count = items.len();
+    let Some(split) = divide(items, levels) else {
+        return (count > 0).then(|| Child::leaf(first, count as u32));
+    };
+    let slot = nodes.len();
+    let (left, right) = items.split_at_mut(split.middle);
+    let middle = first + left.len() as u32;
+    nodes.push(node(&split.bounds));
+    let children = if count > PARALLEL {
+        let mut apart = Vec::with_capacity(right.len() / 2);
+        let (left, right) =
+            rayon::join(|| grow(left, first, levels - 1, nodes), || grow(right, middle, levels - 1, &mut apart));
+        let offset = nodes.len() as u32;
+        nodes
+            .extend(apart.into_iter().map(|node| Node { children: node.children.map(|c| shifted(c, offset)), ..node }));
+        [left, right.map(|child| shifted(child, offset))]
+    } else {
+        [grow(left, first, levels - 1, nodes), grow(right, middle, levels - 1, nodes)]
+    };
+    // Both halves of a split hold triangles.
+    nodes[slot].children = children.map(|child| child.unwrap_or(NOTHING));
+    Some(Child::node(slot as u32))
+}
+
+fn shifted(child: Child, offset: u32) -> Child {
+    if child.is_leaf() {
+        child
+    } else {
+        Child::node(child.index() + offset)
+    }
+}
+
+/// With boxes, but no children yet.
+fn node(bounds: &[Bounds; 2]) -> Node {
+    let [[low_left, high_left], [low_right, high_right]] = bounds.each_ref().map(Bounds::corners);
+    Node { low: [low_left, low_right], high: [high_left, high_right], children: [NOTHING; 2], unused: [0; 2] }
+}
+
+/// Reorders a range so that its two parts follow each other; nothing where a leaf is better.
+fn divide(items: &mut [Item], levels: usize) -> Option<Split> {
+    let count = items.len();
+    if count <= 1 {
+        return None;
+    }
+    // The heuristic may split off one triangle at a time: only as long as halving still reaches leaves in time.
+    let best = (halvings(count - 1) < levels).then(|| Bins::fill(items).best()).flatten();
+    if count <= LEAF {
+        let cost = TRIANGLE_COST * count as f64;
+        return best.filter(|best| best.cost() < cost).map(|best| best.apply(items));
+    }
+    Some(match best {
+        Some(best) => best.apply(items),
+        None => halve(items),
+    })
+}
+
+/// How often a range must be halved to become leaves.
+fn halvings(count: usize) -> usize {
+    count.div_ceil(LEAF).next_power_of_two().trailing_zeros() as usize
+}
+
+/// In the order given: only asked where no order is better than another.
+fn halve(items: &[Item]) -> Split {
+    let middle = items.len().div_ceil(2);
+    let (left, right) = items.split_at(middle);
+    Split { middle, bounds: [around(left), around(right)] }
+}
+
+fn around(items: &[Item]) -> Bounds {
+    items.iter().fold(Bounds::EMPTY, |all, item| all.join(&item.bounds))
+}
+
+/// Where a child that does not exist links to.
+const NOTHING: Child = Child::leaf(0, 1);
+
+/// The root of a scene that is one leaf.
+fn alone(leaf: Child, bounds: Bounds) -> Node {
+    Node { children: [leaf, NOTHING], ..node(&[bounds, Bounds::EMPTY]) }
+}
+
+/// A root without children.
+fn empty(start: Instant) -> Bvh2 {
+    let point = Triangle::new(Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, MISS, 0);
+    let nodes = vec![alone(NOTHING, Bounds::EMPTY)];
+    Bvh2 { nodes, triangles: vec![point], build_seconds: start.elapsed().as_secs_f64() }
+}

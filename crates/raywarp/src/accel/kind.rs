@@ -1,0 +1,64 @@
+//! The choice of a structure, by name.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Which structure finds the triangles along a ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AccelKind {
+    /// None: every ray tests every triangle. The paper's first version and the oracle of the others.
+    Brute,
+    /// The paper's k-d tree: median splits, axes in turn.
+    Kd,
+    /// Binary hierarchy of boxes by the surface area heuristic.
+    #[default]
+    Bvh,
+}
+
+impl AccelKind {
+    /// Every kind.
+    pub const ALL: [Self; 3] = [Self::Brute, Self::Kd, Self::Bvh];
+
+    /// The name that [`FromStr`] reads.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Brute => "brute",
+            Self::Kd => "kd",
+            Self::Bvh => "bvh",
+        }
+    }
+}
+
+impl fmt::Display for AccelKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A name that belongs to no structure.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("'{0}' is no acceleration structure; expected brute, kd or bvh")]
+pub struct UnknownKind(pub String);
+
+impl FromStr for AccelKind {
+    type Err = UnknownKind;
+
+    fn from_str(name: &str) -> Result<Self, UnknownKind> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| UnknownKind(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lead_back() {
+        for kind in AccelKind::ALL {
+            assert_eq!(kind.to_string().parse(), Ok(kind));
+        }
+        assert_eq!("octree".parse::<AccelKind>(), Err(UnknownKind("octree".into())));
+        assert_eq!(AccelKind::default(), AccelKind::Bvh);
+    }
+}

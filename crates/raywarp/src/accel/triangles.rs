@@ -1,0 +1,79 @@
+//! Which triangles can be hit at all.
+
+use raywarp_kernels::math::Vec3;
+use raywarp_kernels::triangle::Triangle;
+
+/// Triangles that no ray can hit, by the reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Dropped {
+    /// With a coordinate that is NaN or infinite.
+    pub not_finite: usize,
+    /// Corners that coincide or lie on a line.
+    pub without_area: usize,
+}
+
+/// Keeps the triangles that a ray can hit, in their order, and counts the others.
+///
+/// The area is taken in double precision from the corners as they are, where it neither overflows nor vanishes, and
+/// must be exactly zero for a triangle to go.
+pub fn sift(mut triangles: Vec<Triangle>) -> (Vec<Triangle>, Dropped) {
+    let mut dropped = Dropped::default();
+    triangles.retain(|triangle| {
+        let finite = is_finite(triangle);
+        let keep = finite && has_area(triangle);
+        dropped.not_finite += !finite as usize;
+        dropped.without_area += (finite && !keep) as usize;
+        keep
+    });
+    (triangles, dropped)
+}
+
+fn is_finite(triangle: &Triangle) -> bool {
+    [triangle.v0, triangle.v1, triangle.v2].iter().flat_map(|v| v.to_array()).all(f32::is_finite)
+}
+
+fn has_area(triangle: &Triangle) -> bool {
+    let [a, b] = [triangle.v1, triangle.v2].map(|v| difference(v, triangle.v0));
+    (0..3).any(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        a[j] * b[k] != a[k] * b[j]
+    })
+}
+
+fn difference(a: Vec3, b: Vec3) -> [f64; 3] {
+    let (a, b) = (a.to_array(), b.to_array());
+    [0, 1, 2].map(|i| f64::from(a[i]) - f64::from(b[i]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raywarp_kernels::math::vec3;
+
+    fn triangle(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Triangle {
+        Triangle::new(a.into(), b.into(), c.into(), 0, 0)
+    }
+
+    #[test]
+    fn each_reason_is_counted() {
+        let good = triangle([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+        let list = vec![
+            triangle([f32::NAN, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]),
+            good,
+            triangle([0.0; 3], [1.0, f32::INFINITY, 0.0], [0.0, 1.0, 0.0]),
+            triangle([1.0; 3], [1.0; 3], [2.0, 3.0, 4.0]),
+            triangle([0.0; 3], [1.0, 2.0, 3.0], [2.0, 4.0, 6.0]),
+        ];
+        let (kept, dropped) = sift(list);
+        assert_eq!(kept, [good]);
+        assert_eq!(dropped, Dropped { not_finite: 2, without_area: 2 });
+    }
+
+    #[test]
+    fn extreme_sizes_have_an_area() {
+        for size in [1e-40, 1e-30, 1e30, 1e38] {
+            let corner = triangle([0.0; 3], vec3(size, 0.0, 0.0).to_array(), vec3(0.0, size, 0.0).to_array());
+            assert_eq!(sift(vec![corner]).1, Dropped::default(), "{size}");
+        }
+    }
+}

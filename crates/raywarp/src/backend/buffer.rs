@@ -1,0 +1,93 @@
+//! Arrays on a device.
+
+use raywarp_kernels::view::{Plain, View, ViewMut};
+
+use super::cuda::CudaBuffer;
+use super::{DeviceError, Machine};
+
+/// An array in the memory of the device that made it; freed when dropped.
+#[derive(Debug)]
+pub struct Buffer<T: Plain> {
+    storage: Storage<T>,
+    len: u32,
+}
+
+#[derive(Debug)]
+enum Storage<T: Plain> {
+    Host(Vec<T>),
+    Cuda(CudaBuffer<T>),
+}
+
+impl<T: Plain> Buffer<T> {
+    pub(super) fn upload(machine: &Machine, items: &[T]) -> Result<Self, DeviceError> {
+        let len = length(items.len())?;
+        let storage = match machine {
+            Machine::Cpu => Storage::Host(items.to_vec()),
+            Machine::Cuda(gpu) => Storage::Cuda(CudaBuffer::upload(gpu, items)?),
+        };
+        Ok(Self { storage, len })
+    }
+
+    pub(super) fn zeroed(machine: &Machine, items: usize) -> Result<Self, DeviceError> {
+        let len = length(items)?;
+        let storage = match machine {
+            // SAFETY: zeros are a `Plain` value.
+            Machine::Cpu => Storage::Host(vec![unsafe { std::mem::zeroed() }; items]),
+            Machine::Cuda(gpu) => Storage::Cuda(CudaBuffer::zeroed(gpu, items)?),
+        };
+        Ok(Self { storage, len })
+    }
+
+    /// Number of items.
+    pub fn len(&self) -> u32 {
+        self.len
+    }
+
+    /// Whether there are no items.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Bytes that the items take.
+    pub fn bytes(&self) -> u64 {
+        self.len as u64 * std::mem::size_of::<T>() as u64
+    }
+
+    /// Copies the items back.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the device fails.
+    pub fn download(&self) -> Result<Vec<T>, DeviceError> {
+        match &self.storage {
+            Storage::Host(items) => Ok(items.clone()),
+            Storage::Cuda(buffer) => buffer.download(self.len as usize),
+        }
+    }
+
+    /// The items, for a kernel to read. It must not be launched after the buffer is gone.
+    pub(crate) fn view(&self) -> View<T> {
+        let address = match &self.storage {
+            _ if self.len == 0 => return View::EMPTY,
+            Storage::Host(items) => items.as_ptr(),
+            Storage::Cuda(buffer) => buffer.address() as *const T,
+        };
+        // SAFETY: the address and length are the buffer's own. That it outlives the launch is part of the contract of
+        // `Device::launch`, the only place where a view is followed.
+        unsafe { View::new(address, self.len) }
+    }
+
+    /// The items, for a kernel to write.
+    pub(crate) fn view_mut(&mut self) -> ViewMut<T> {
+        let address = match &mut self.storage {
+            _ if self.len == 0 => return ViewMut::EMPTY,
+            Storage::Host(items) => items.as_mut_ptr(),
+            Storage::Cuda(buffer) => buffer.address() as *mut T,
+        };
+        // SAFETY: as in `view`; exclusive through `&mut self`.
+        unsafe { ViewMut::new(address, self.len) }
+    }
+}
+
+fn length(items: usize) -> Result<u32, DeviceError> {
+    u32::try_from(items).map_err(|_| DeviceError::TooMany { len: items })
+}

@@ -1,0 +1,64 @@
+//! Arrays in the memory of a CUDA device.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use cudarc::driver::{CudaSlice, DevicePtr};
+use raywarp_kernels::view::Plain;
+
+use super::{Cuda, DeviceError};
+
+/// Bytes on the device that hold items of `T`.
+pub(in crate::backend) struct CudaBuffer<T> {
+    gpu: Cuda,
+    bytes: CudaSlice<u8>,
+    items: PhantomData<T>,
+}
+
+impl<T> fmt::Debug for CudaBuffer<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "CudaBuffer({} bytes on {})", self.bytes.len(), self.gpu.description())
+    }
+}
+
+impl<T: Plain> CudaBuffer<T> {
+    pub fn upload(gpu: &Cuda, items: &[T]) -> Result<Self, DeviceError> {
+        let size = std::mem::size_of_val(items);
+        // SAFETY: `Plain` items are bytes without padding.
+        let source = unsafe { std::slice::from_raw_parts(items.as_ptr().cast::<u8>(), size) };
+        let mut buffer = Self::zeroed(gpu, items.len())?;
+        if size > 0 {
+            let target = &mut buffer.bytes.slice_mut(..size);
+            gpu.stream().memcpy_htod(source, target).map_err(|e| gpu.failed("took data", e))?;
+            // The copy reads `items` until the stream gets there.
+            gpu.stream().synchronize().map_err(|e| gpu.failed("took data", e))?;
+        }
+        Ok(buffer)
+    }
+
+    pub fn zeroed(gpu: &Cuda, items: usize) -> Result<Self, DeviceError> {
+        // The driver refuses to allocate nothing.
+        let size = (items * std::mem::size_of::<T>()).max(1);
+        let bytes = gpu.stream().alloc_zeros(size).map_err(|e| gpu.failed(&format!("reserved {size} bytes"), e))?;
+        Ok(Self { gpu: gpu.clone(), bytes, items: PhantomData })
+    }
+
+    pub fn download(&self, items: usize) -> Result<Vec<T>, DeviceError> {
+        let failed = |e| self.gpu.failed("gave data back", e);
+        let size = items * std::mem::size_of::<T>();
+        let mut target = Vec::<T>::with_capacity(items);
+        if size > 0 {
+            // SAFETY: the capacity is `size` bytes; they are only written.
+            let raw = unsafe { std::slice::from_raw_parts_mut(target.as_mut_ptr().cast::<u8>(), size) };
+            self.gpu.stream().memcpy_dtoh(&self.bytes.slice(..size), raw).map_err(failed)?;
+            self.gpu.stream().synchronize().map_err(failed)?;
+        }
+        // SAFETY: all `items` were written, and any bytes are a `Plain` value.
+        unsafe { target.set_len(items) };
+        Ok(target)
+    }
+
+    pub fn address(&self) -> u64 {
+        self.bytes.device_ptr(self.gpu.stream()).0
+    }
+}

@@ -1,0 +1,218 @@
+//! CUDA devices, through the driver alone: `libcuda` is loaded at run time, the kernels come as PTX.
+
+mod buffer;
+mod ptx;
+
+use std::collections::HashMap;
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use cudarc::driver::{
+    sys, CudaContext, CudaFunction, CudaStream, DeviceRepr, DriverError, LaunchConfig, PushKernelArg,
+};
+use cudarc::nvrtc::Ptx;
+use raywarp_kernels::kernels::Kernel;
+
+use super::{DeviceError, DeviceInfo};
+pub(super) use buffer::CudaBuffer;
+pub(super) use ptx::info as ptx_info;
+
+/// Threads of a block: columns and rows. A warp is then a tile of 8 x 4 pixels.
+const BLOCK: [u32; 2] = [8, 16];
+
+/// Threads of a block of a launch with a single row.
+const BLOCK_ROW: [u32; 2] = [128, 1];
+
+/// A CUDA device with the kernels that were needed so far.
+#[derive(Clone)]
+pub(super) struct Cuda {
+    shared: Arc<Shared>,
+}
+
+struct Shared {
+    name: String,
+    index: usize,
+    stream: Arc<CudaStream>,
+    context: Arc<CudaContext>,
+    kernels: Mutex<HashMap<&'static str, CudaFunction>>,
+}
+
+impl fmt::Debug for Cuda {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Cuda({})", self.description())
+    }
+}
+
+/// A kernel's parameter block, passed by value.
+#[repr(transparent)]
+struct Parameters<K>(K);
+
+// SAFETY: a kernel is a `repr(C)` block of numbers and views, the same on host and device.
+unsafe impl<K: Kernel> DeviceRepr for Parameters<K> {}
+
+impl Cuda {
+    /// # Errors
+    /// No driver, no such device, or one that is too old.
+    pub fn open(index: usize) -> Result<Self, DeviceError> {
+        let count = device_count()?;
+        if count == 0 {
+            return Err(DeviceError::NoDevice);
+        }
+        if index >= count {
+            return Err(DeviceError::NoSuchDevice { index, count });
+        }
+        let context = CudaContext::new(index).map_err(driver_error)?;
+        let name = context.name().map_err(driver_error)?;
+        let (major, minor) = context.compute_capability().map_err(driver_error)?;
+        if (major, minor) < (7, 5) {
+            return Err(DeviceError::TooOld { device: name, has: (major as u32, minor as u32) });
+        }
+        // One stream runs everything in order, so there is nothing for the events of cudarc's own bookkeeping to order.
+        // SAFETY: only this stream ever uses the buffers of this context.
+        unsafe { context.disable_event_tracking() };
+        let stream = context.new_stream().map_err(driver_error)?;
+        let shared = Shared { name, index, stream, context, kernels: Mutex::new(HashMap::new()) };
+        Ok(Self { shared: Arc::new(shared) })
+    }
+
+    pub fn description(&self) -> String {
+        format!("{} (CUDA device {})", self.shared.name, self.shared.index)
+    }
+
+    pub fn context(&self) -> &Arc<CudaContext> {
+        &self.shared.context
+    }
+
+    pub fn stream(&self) -> &Arc<CudaStream> {
+        &self.shared.stream
+    }
+
+    /// Bytes that can still be had.
+    pub fn free_memory(&self) -> Result<u64, DeviceError> {
+        let (free, _) = self.context().mem_get_info().map_err(|e| self.failed("told its free memory", e))?;
+        Ok(free as u64)
+    }
+
+    /// The sentence for a driver call that failed.
+    pub fn failed(&self, action: &str, error: DriverError) -> DeviceError {
+        DeviceError::Failed { device: self.description(), action: action.to_owned(), reason: explain(error) }
+    }
+
+    /// # Safety
+    /// As for [`Device::launch`](super::Device::launch).
+    pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<f64, DeviceError> {
+        if extent.contains(&0) {
+            return Ok(0.0);
+        }
+        let function = self.function(K::NAME)?;
+        let parameters = Parameters(*kernel);
+        let run = || -> Result<f64, DriverError> {
+            let timing = Some(sys::CUevent_flags::CU_EVENT_DEFAULT);
+            let start = self.context().new_event(timing)?;
+            let end = self.context().new_event(timing)?;
+            start.record(self.stream())?;
+            let mut launch = self.stream().launch_builder(&function);
+            launch.arg(&parameters);
+            // SAFETY: the entry point takes exactly this parameter block; its views are the caller's promise.
+            unsafe { launch.launch(configuration(extent)) }?;
+            end.record(self.stream())?;
+            end.synchronize()?;
+            Ok(start.elapsed_ms(&end)? as f64 * 1e-3)
+        };
+        run().map_err(|error| self.failed(&format!("ran the kernel {}", K::NAME), error))
+    }
+
+    /// Loads a kernel the first time that it is needed: the driver compiles PTX when it loads it, which takes a moment
+    /// unless its own cache has it.
+    pub fn function(&self, name: &'static str) -> Result<CudaFunction, DeviceError> {
+        let mut kernels = self.shared.kernels.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(function) = kernels.get(name) {
+            return Ok(function.clone());
+        }
+        let refused = |reason: String| DeviceError::Ptx {
+            device: self.description(),
+            kernel: name.to_owned(),
+            reason,
+            isa: ptx::info().isa,
+        };
+        let source = ptx::source(name).ok_or_else(|| refused("it is not among the kernels".to_owned()))?;
+        let module = self.context().load_module(Ptx::from_src(source)).map_err(|e| refused(explain(e)))?;
+        let function = module.load_function(name).map_err(|e| refused(explain(e)))?;
+        kernels.insert(name, function.clone());
+        Ok(function)
+    }
+}
+
+fn configuration(extent: [u32; 2]) -> LaunchConfig {
+    let block = if extent[1] == 1 { BLOCK_ROW } else { BLOCK };
+    LaunchConfig {
+        grid_dim: (extent[0].div_ceil(block[0]), extent[1].div_ceil(block[1]), 1),
+        block_dim: (block[0], block[1], 1),
+        shared_mem_bytes: 0,
+    }
+}
+
+/// How many devices the driver shows.
+///
+/// # Errors
+/// No driver, or one that does not start.
+pub(super) fn device_count() -> Result<usize, DeviceError> {
+    // cudarc panics when the library is missing: ask for it first.
+    // SAFETY: loading NVIDIA's driver runs its initialisers, as any CUDA program does.
+    if !unsafe { sys::is_culib_present() } {
+        return Err(DeviceError::NoDriver);
+    }
+    match CudaContext::device_count() {
+        Ok(count) => Ok(count.max(0) as usize),
+        Err(DriverError(sys::CUresult::CUDA_ERROR_NO_DEVICE)) => Ok(0),
+        Err(error) => Err(driver_error(error)),
+    }
+}
+
+/// Version of the driver's CUDA interface: (13, 0) for CUDA 13.0.
+pub(super) fn driver_version() -> Result<(u32, u32), DeviceError> {
+    device_count()?;
+    let mut version = 0;
+    // SAFETY: the library is there, and the pointer is valid for the call.
+    unsafe { sys::cuDriverGetVersion(&mut version) }.result().map_err(driver_error)?;
+    Ok((version as u32 / 1000, version as u32 % 1000 / 10))
+}
+
+pub(super) fn driver_error(error: DriverError) -> DeviceError {
+    DeviceError::Driver { reason: explain(error) }
+}
+
+/// The driver's own words, with the name of the error.
+fn explain(error: DriverError) -> String {
+    let words = error.error_string().map(|text| text.to_string_lossy().into_owned());
+    match words {
+        Ok(words) => format!("{words} ({:?})", error.0),
+        Err(_) => format!("{:?}", error.0),
+    }
+}
+
+/// What the driver tells about a device, and whether a kernel loads on it.
+pub(super) fn device_info(index: usize) -> Result<DeviceInfo, DeviceError> {
+    use sys::CUdevice_attribute::{CU_DEVICE_ATTRIBUTE_CLOCK_RATE, CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT};
+    let context = CudaContext::new(index).map_err(driver_error)?;
+    let ask = || -> Result<DeviceInfo, DriverError> {
+        let (major, minor) = context.compute_capability()?;
+        let (free, total) = context.mem_get_info()?;
+        Ok(DeviceInfo {
+            index,
+            name: context.name()?,
+            compute_capability: (major as u32, minor as u32),
+            memory_total: total as u64,
+            memory_free: free as u64,
+            multiprocessors: context.attribute(CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT)? as u32,
+            clock_mhz: context.attribute(CU_DEVICE_ATTRIBUTE_CLOCK_RATE)? as u32 / 1000,
+            ptx: Ok(()),
+        })
+    };
+    let mut info = ask().map_err(driver_error)?;
+    info.ptx = Cuda::open(index).and_then(|gpu| gpu.function(SMALLEST_KERNEL).map(drop));
+    Ok(info)
+}
+
+/// Loads in a moment, and shows whether the driver reads the PTX.
+const SMALLEST_KERNEL: &str = "closest_brute";

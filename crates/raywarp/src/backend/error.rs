@@ -1,0 +1,97 @@
+//! What can go wrong with a device, as sentences.
+
+/// Why a device cannot be used.
+#[derive(Debug, Clone, thiserror::Error)]
+#[non_exhaustive]
+pub enum DeviceError {
+    /// No `libcuda` on this machine.
+    #[error(
+        "there is no CUDA driver on this machine (libcuda was not found); install NVIDIA's driver, in a container run \
+         with --gpus all, or use --device cpu"
+    )]
+    NoDriver,
+    /// The driver is there and does not start.
+    #[error("the CUDA driver does not start: {reason}; `nvidia-smi` may say more, and --device cpu works without it")]
+    Driver {
+        /// The driver's words.
+        reason: String,
+    },
+    /// The driver is there and has no device.
+    #[error("the CUDA driver finds no GPU; check `nvidia-smi` and CUDA_VISIBLE_DEVICES, or use --device cpu")]
+    NoDevice,
+    /// There are devices, but not this one.
+    #[error("there is no CUDA device {index}: this machine has {count}, counted from 0; `raywarp doctor` lists them")]
+    NoSuchDevice {
+        /// The index asked for.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// The GPU is older than the kernels.
+    #[error(
+        "{device} has compute capability {}.{}, and raywarp's kernels need 7.5 (Turing, 2018) or newer; use another \
+         GPU, or --device cpu", has.0, has.1
+    )]
+    TooOld {
+        /// The device.
+        device: String,
+        /// Its compute capability.
+        has: (u32, u32),
+    },
+    /// The driver refuses the kernels.
+    #[error(
+        "the driver of {device} cannot load the kernel {kernel}: {reason}; the driver must be able to read PTX {isa}: \
+         update it, or use --device cpu"
+    )]
+    Ptx {
+        /// The device.
+        device: String,
+        /// The entry point.
+        kernel: String,
+        /// The driver's words.
+        reason: String,
+        /// Version of the PTX instruction set that the kernels are written in.
+        isa: String,
+    },
+    /// The scene or the picture does not fit.
+    #[error(
+        "{device} has not enough memory for {purpose}: {} needed, {} free; take a smaller scene or picture, or another \
+         device", gib(*needed), gib(*available)
+    )]
+    Memory {
+        /// The device.
+        device: String,
+        /// What the memory is for.
+        purpose: String,
+        /// Bytes.
+        needed: u64,
+        /// Bytes.
+        available: u64,
+    },
+    /// An array with more items than a 32-bit index counts.
+    #[error("{len} items in one array are more than the {} that raywarp can index; split the scene", u32::MAX)]
+    TooMany {
+        /// How many.
+        len: usize,
+    },
+    /// The device failed at work.
+    #[error("{device} failed while it {action}: {reason}")]
+    Failed {
+        /// The device.
+        device: String,
+        /// What it did, as a verb: "ran the kernel x".
+        action: String,
+        /// The driver's words.
+        reason: String,
+    },
+}
+
+/// Bytes for people.
+fn gib(bytes: u64) -> String {
+    let mib = bytes as f64 / (1 << 20) as f64;
+    if mib < 1024.0 {
+        format!("{mib:.1} MiB")
+    } else {
+        format!("{:.1} GiB", mib / 1024.0)
+    }
+}

@@ -1,0 +1,122 @@
+//! Where kernels run: one interface over the CPU and CUDA devices.
+//!
+//! A [`Device`] makes [`Buffer`]s, and [launches](Device::launch) kernels over a grid of threads. Everything above this
+//! module is written once for both.
+
+mod buffer;
+mod choice;
+mod cpu;
+mod cuda;
+mod error;
+mod survey;
+
+use raywarp_kernels::kernels::Kernel;
+use raywarp_kernels::view::Plain;
+
+pub use buffer::Buffer;
+pub use choice::{DeviceChoice, ParseDeviceError};
+pub use error::DeviceError;
+pub use survey::{survey, DeviceInfo, DriverInfo, PtxInfo, Survey};
+
+/// A machine that runs kernels. Cloning gives another handle to the same one.
+#[derive(Clone, Debug)]
+pub struct Device {
+    machine: Machine,
+    /// Why this is not a GPU although one was welcome.
+    fallback: Option<String>,
+}
+
+#[derive(Clone, Debug)]
+enum Machine {
+    Cpu,
+    Cuda(cuda::Cuda),
+}
+
+impl Device {
+    /// Opens a device. `Auto` takes the first CUDA device that works, else the CPU, and
+    /// [`fallback`](Self::fallback) then tells why.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where a CUDA device was asked for by name and cannot be used. There is no silent way down.
+    pub fn open(choice: DeviceChoice) -> Result<Self, DeviceError> {
+        match choice {
+            DeviceChoice::Cpu => Ok(Self { machine: Machine::Cpu, fallback: None }),
+            DeviceChoice::Cuda(index) => Ok(Self { machine: Machine::Cuda(cuda::Cuda::open(index)?), fallback: None }),
+            DeviceChoice::Auto => Ok(match cuda::Cuda::open(0) {
+                Ok(gpu) => Self { machine: Machine::Cuda(gpu), fallback: None },
+                Err(error) => Self { machine: Machine::Cpu, fallback: Some(error.to_string()) },
+            }),
+        }
+    }
+
+    /// Name and kind, for people: "NVIDIA H200 (CUDA device 0)" or "CPU, 2 threads".
+    pub fn description(&self) -> String {
+        match &self.machine {
+            Machine::Cpu => cpu::description(),
+            Machine::Cuda(gpu) => gpu.description(),
+        }
+    }
+
+    /// Why a CPU stands in for a GPU, where `Auto` chose.
+    pub fn fallback(&self) -> Option<&str> {
+        self.fallback.as_deref()
+    }
+
+    /// Whether this is a CUDA device.
+    pub fn is_cuda(&self) -> bool {
+        matches!(self.machine, Machine::Cuda(_))
+    }
+
+    /// Checks that `bytes` more fit before they are asked for.
+    ///
+    /// # Errors
+    /// [`DeviceError::Memory`] with both numbers.
+    pub fn reserve(&self, bytes: u64, purpose: &str) -> Result<(), DeviceError> {
+        let available = match &self.machine {
+            Machine::Cpu => cpu::available_memory(),
+            Machine::Cuda(gpu) => Some(gpu.free_memory()?),
+        };
+        match available {
+            Some(available) if bytes > available => Err(DeviceError::Memory {
+                device: self.description(),
+                purpose: purpose.to_owned(),
+                needed: bytes,
+                available,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Copies `items` to the device. An empty slice makes an empty buffer.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the device has no room.
+    pub fn upload<T: Plain>(&self, items: &[T]) -> Result<Buffer<T>, DeviceError> {
+        Buffer::upload(&self.machine, items)
+    }
+
+    /// Room for `len` items, all zero.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the device has no room.
+    pub fn zeroed<T: Plain>(&self, len: usize) -> Result<Buffer<T>, DeviceError> {
+        Buffer::zeroed(&self.machine, len)
+    }
+
+    /// Runs a kernel, one thread for each column and row of `extent`, and waits for it. Returns the seconds it took on
+    /// the device.
+    ///
+    /// # Safety
+    /// The views in the kernel are of buffers of this device that outlive the call, those that it writes are of
+    /// buffers that nothing else uses meanwhile, and the indices that they hold are in range.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the launch fails.
+    pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<f64, DeviceError> {
+        match &self.machine {
+            Machine::Cpu => Ok(cpu::launch(kernel, extent)),
+            // SAFETY: the caller's promise.
+            Machine::Cuda(gpu) => unsafe { gpu.launch(kernel, extent) },
+        }
+    }
+}

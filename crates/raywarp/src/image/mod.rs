@@ -1,0 +1,57 @@
+//! What a finished picture becomes: PNG for the eye, EXR for further work, layers and heat maps beside them.
+//!
+//! Encoders make bytes in memory; [`write::file`] alone touches the disk, so that a picture is there whole or not at
+//! all.
+
+mod color;
+mod digits;
+mod error;
+pub mod exr;
+pub mod false_color;
+pub mod heatmap;
+mod layer;
+pub mod png;
+pub mod write;
+
+use raywarp_kernels::kernels::Surfel;
+use raywarp_kernels::traverse::Tests;
+
+pub use color::{srgb_to_linear, Development, ToneMap};
+pub use error::ImageError;
+pub use layer::Layer;
+pub use write::Format;
+
+/// A rendered picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Picture {
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Linear radiance (Rec. 709 primaries) and the share of camera rays that hit something; top row first.
+    pub pixels: Vec<[f32; 4]>,
+}
+
+/// What the camera ray through each pixel's centre meets first, beside the picture.
+#[derive(Clone, Debug, Default)]
+pub struct Layers {
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// One a pixel, top row first.
+    pub surfels: Vec<Surfel>,
+    /// What all rays of a pixel cost, one a pixel, if it was counted.
+    pub tests: Option<Vec<Tests>>,
+}
+
+/// Eight-bit sRGB pixels, ready for a PNG.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Rgb8 {
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Top row first.
+    pub pixels: Vec<[u8; 3]>,
+}

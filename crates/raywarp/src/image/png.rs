@@ -1,0 +1,29 @@
+//! Pictures as PNG: eight bits a channel, sRGB.
+
+use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use ::image::{ExtendedColorType, ImageEncoder};
+
+use super::{Development, Format, ImageError, Picture, Rgb8};
+
+/// Exposes, tone-maps and encodes a picture as a screen shows it.
+pub fn develop(picture: &Picture, development: &Development) -> Rgb8 {
+    let pixels = picture.pixels.iter().map(|&[r, g, b, _]| development.develop([r, g, b])).collect();
+    Rgb8 { width: picture.width, height: picture.height, pixels }
+}
+
+/// The bytes of a PNG file.
+///
+/// # Errors
+/// [`ImageError::Encode`] for a picture without pixels.
+pub fn encode(picture: &Rgb8) -> Result<Vec<u8>, ImageError> {
+    let (width, height) = (picture.width, picture.height);
+    let failed = |reason: String| ImageError::Encode { format: Format::Png, width, height, reason };
+    if width == 0 || height == 0 || picture.pixels.len() != width as usize * height as usize {
+        return Err(failed(format!("it holds {} pixels", picture.pixels.len())));
+    }
+    let mut bytes = Vec::new();
+    PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
+        .write_image(bytemuck::cast_slice(&picture.pixels), width, height, ExtendedColorType::Rgb8)
+        .map_err(|error| failed(error.to_string()))?;
+    Ok(bytes)
+}

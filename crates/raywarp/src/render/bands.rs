@@ -1,0 +1,109 @@
+//! A picture cut into launches: long enough to fill the device, short enough to report on.
+
+use super::options::Window;
+
+/// Seconds that a launch should take.
+const TARGET: f64 = 0.1;
+
+/// Rows of a band are a multiple of this, which is a multiple of every tile and block.
+const ROWS: u32 = 16;
+
+/// Pixel samples of the first launch.
+const FIRST_ON_CPU: f64 = 65_536.0;
+const FIRST_ON_GPU: f64 = 4_194_304.0;
+
+/// One launch: rows of the window, and samples of their pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Band {
+    pub origin: [u32; 2],
+    pub extent: [u32; 2],
+    /// First, and one after the last.
+    pub samples: [u32; 2],
+}
+
+/// Goes down the window; all samples of a band before the next one, each pixel's in order.
+#[derive(Debug)]
+pub(super) struct Bands {
+    window: Window,
+    spp: u32,
+    row: u32,
+    rows: u32,
+    sample: u32,
+    /// Pixel samples that a launch should have.
+    budget: f64,
+    last: u64,
+    done: u64,
+}
+
+impl Bands {
+    pub fn new(window: Window, spp: u32, gpu: bool) -> Self {
+        let budget = if gpu { FIRST_ON_GPU } else { FIRST_ON_CPU };
+        Self { window, spp, row: 0, rows: 0, sample: 0, budget, last: 0, done: 0 }
+    }
+
+    /// The next launch; none when all is done.
+    pub fn next(&mut self) -> Option<Band> {
+        let [width, height] = self.window.extent;
+        if self.sample == 0 {
+            let fitting = self.budget / (width as f64 * self.spp as f64);
+            self.rows = (fitting as u32 / ROWS * ROWS).clamp(ROWS, height.next_multiple_of(ROWS));
+            self.rows = self.rows.min(height - self.row);
+        }
+        if self.rows == 0 {
+            return None;
+        }
+        let pixels = width as u64 * self.rows as u64;
+        let samples = ((self.budget / pixels as f64) as u32).clamp(1, self.spp - self.sample);
+        let band = Band {
+            origin: [self.window.origin[0], self.window.origin[1] + self.row],
+            extent: [width, self.rows],
+            samples: [self.sample, self.sample + samples],
+        };
+        self.last = pixels * samples as u64;
+        self.sample += samples;
+        if self.sample == self.spp {
+            (self.row, self.sample) = (self.row + self.rows, 0);
+        }
+        Some(band)
+    }
+
+    /// Learns from the seconds that the last launch took.
+    pub fn took(&mut self, seconds: f64) {
+        self.done += self.last;
+        let wanted = self.last as f64 * TARGET / seconds.max(1e-6);
+        self.budget = wanted.clamp(self.budget / 8.0, self.budget * 4.0).max(1.0);
+    }
+
+    pub fn done(&self) -> u64 {
+        self.done
+    }
+
+    pub fn total(&self) -> u64 {
+        self.window.extent[0] as u64 * self.window.extent[1] as u64 * self.spp as u64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sample_of_every_pixel_is_taken_once_and_in_order() {
+        for (extent, spp, seconds) in [([7, 5], 1, 0.1), ([640, 100], 9, 0.4), ([33, 17], 1000, 3.0), ([1, 1], 1, 0.0)]
+        {
+            let window = Window { origin: [3, 4], extent };
+            let mut bands = Bands::new(window, spp, false);
+            let mut next_sample = vec![0; extent[1] as usize];
+            while let Some(band) = bands.next() {
+                assert_eq!((band.origin[0], band.extent[0]), (3, extent[0]));
+                for row in band.origin[1] - 4..band.origin[1] - 4 + band.extent[1] {
+                    assert_eq!(next_sample[row as usize], band.samples[0]);
+                    next_sample[row as usize] = band.samples[1];
+                }
+                bands.took(seconds);
+            }
+            assert!(next_sample.iter().all(|&s| s == spp));
+            assert_eq!(bands.done(), bands.total());
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! Cameras made ready for the kernels, and one for scenes that have none.
+
+use glam::Vec3;
+use raywarp_kernels::camera as kernel;
+
+use super::RenderError;
+use crate::scene::{Camera, Projection, Scene};
+
+/// Vertical field of view of the camera that frames a scene, in radians.
+const FOV: f32 = 0.7;
+
+/// The scene's first camera, or one that sees all of it from the front, right and above; then with a note.
+pub(super) fn default_camera(scene: &Scene, bounds: [[f32; 3]; 2]) -> (Camera, Option<String>) {
+    match scene.cameras.first() {
+        Some(camera) => (camera.clone(), None),
+        None => (framing(bounds), Some("no camera in the scene: it is framed from its bounds".to_owned())),
+    }
+}
+
+/// A view of a box that fits a picture of any format not narrower than it is high.
+fn framing([low, high]: [[f32; 3]; 2]) -> Camera {
+    let (low, high) = (Vec3::from(low), Vec3::from(high));
+    let centre = low * 0.5 + high * 0.5;
+    let radius = ((high - low).length() * 0.5).max(f32::MIN_POSITIVE);
+    let away = Vec3::new(0.45, 0.35, 1.0).normalize();
+    let distance = radius / (0.5 * FOV).sin();
+    Camera {
+        name: "framed".to_owned(),
+        eye: (centre + away * distance).into(),
+        target: centre.into(),
+        up: [0.0, 1.0, 0.0],
+        projection: Projection::Perspective { fov_y: FOV },
+    }
+}
+
+/// The camera for pictures of a size.
+pub(super) fn kernel_camera(camera: &Camera, [width, height]: [u32; 2]) -> Result<kernel::Camera, RenderError> {
+    let refuse = |problem| Err(RenderError::Camera { name: camera.name.clone(), problem });
+    let eye = Vec3::from(camera.eye);
+    let view = Vec3::from(camera.target) - eye;
+    if !eye.is_finite() || !view.is_finite() || !Vec3::from(camera.up).is_finite() {
+        return refuse("is not at a finite place");
+    }
+    let Some(forward) = unit(view) else { return refuse("stands on its own target") };
+    let right = [Vec3::from(camera.up), Vec3::Y, Vec3::Z].into_iter().find_map(|up| {
+        let up = unit(up)?;
+        unit_above(forward.cross(up), 1e-4)
+    });
+    let Some(right) = right else { return refuse("has no upward direction") };
+    let up = right.cross(forward);
+    let axes = [right, up, forward].map(|axis| axis.to_array().into());
+    match camera.projection {
+        Projection::Perspective { fov_y } if fov_y > 0.0 && fov_y < std::f32::consts::PI => {
+            Ok(kernel::Camera::pinhole(eye.to_array().into(), axes, (0.5 * fov_y).tan(), width, height))
+        }
+        Projection::Orthographic { height: extent } if extent > 0.0 && extent.is_finite() => {
+            Ok(kernel::Camera::orthographic(eye.to_array().into(), axes, extent, width, height))
+        }
+        Projection::Perspective { .. } => refuse("has a field of view that is not between 0 and 180 degrees"),
+        Projection::Orthographic { .. } => refuse("has no height"),
+    }
+}
+
+/// The unit vector, however short or long; none for zero.
+fn unit(v: Vec3) -> Option<Vec3> {
+    let largest = v.abs().max_element();
+    (largest > 0.0).then(|| (v / largest).normalize())
+}
+
+fn unit_above(v: Vec3, least: f32) -> Option<Vec3> {
+    if v.length() > least {
+        unit(v)
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera(projection: Projection) -> Camera {
+        Camera { name: "c".into(), eye: [0.0, 0.0, 5.0], target: [0.0; 3], up: [0.0, 1.0, 0.0], projection }
+    }
+
+    #[test]
+    fn the_centre_looks_at_the_target_and_the_edges_span_the_angle() {
+        let fov_y = 1.0f32;
+        let ready = kernel_camera(&camera(Projection::Perspective { fov_y }), [200, 100]).unwrap();
+        let centre = ready.ray(100.0, 50.0).direction;
+        assert!((centre.z + 1.0).abs() < 1e-6 && centre.x.abs() < 1e-6);
+        let top = ready.ray(100.0, 0.0).direction;
+        assert!(((top.y / -top.z) - (0.5 * fov_y).tan()).abs() < 1e-5 && top.y > 0.0);
+        let left = ready.ray(0.0, 50.0).direction;
+        assert!(((left.x / left.z) - 2.0 * (0.5 * fov_y).tan()).abs() < 1e-5 && left.x < 0.0);
+    }
+
+    #[test]
+    fn parallel_rays_start_side_by_side() {
+        let ready = kernel_camera(&camera(Projection::Orthographic { height: 4.0 }), [100, 100]).unwrap();
+        let corner = ready.ray(0.0, 0.0);
+        assert!((corner.origin.x + 2.0).abs() < 1e-5 && (corner.origin.y - 2.0).abs() < 1e-5);
+        assert_eq!(corner.direction, ready.ray(80.0, 3.0).direction);
+    }
+
+    #[test]
+    fn looking_along_up_still_gives_a_picture_and_no_direction_does_not() {
+        let mut c = camera(Projection::Perspective { fov_y: 1.0 });
+        c.up = [0.0, 0.0, 1.0];
+        assert!(kernel_camera(&c, [10, 10]).is_ok());
+        c.target = c.eye;
+        let message = kernel_camera(&c, [10, 10]).unwrap_err().to_string();
+        assert!(message.contains("stands on its own target"), "{message}");
+        assert!(kernel_camera(&camera(Projection::Perspective { fov_y: 4.0 }), [10, 10]).is_err());
+    }
+}

@@ -1,0 +1,35 @@
+//! What can go wrong between a scene and its picture.
+
+use crate::accel::BuildError;
+use crate::backend::DeviceError;
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// An option is out of its range.
+    #[error("{0}")]
+    Option(String),
+    /// The camera sees nothing.
+    #[error("the camera '{name}' {problem}; give --eye and --target, two different finite points, and --fov")]
+    Camera {
+        /// The camera's name.
+        name: String,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// The scene's parts do not fit together: a file's reader or a caller made it wrong.
+    #[error("{part} of {mesh} is out of range; `validate` what made the scene")]
+    Scene {
+        /// The mesh or instance.
+        mesh: String,
+        /// The index that is wrong.
+        part: &'static str,
+    },
+    /// The structure cannot hold the scene.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The device fails.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+}

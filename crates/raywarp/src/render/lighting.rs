@@ -1,0 +1,97 @@
+//! The lights of a scene, or those that it gets when it has none.
+
+use raywarp_kernels::background::Background;
+use raywarp_kernels::light::{kind, Light};
+use raywarp_kernels::math::{vec3, Vec3};
+
+use crate::backend::{Buffer, Device, DeviceError};
+use crate::scene::{self, Camera, LightKind, Scene};
+
+/// What lights the scene.
+#[derive(Clone, Debug)]
+pub(super) struct Lighting {
+    lights: Vec<Light>,
+    /// A light at the eye, for scenes without any: no surface that is seen is black.
+    headlight: Option<Vec3>,
+    pub background: Background,
+    pub ambient: Vec3,
+    pub notes: Vec<String>,
+}
+
+/// The built-in sky, for scenes that say nothing of what lies beyond them.
+const SKY: scene::Background =
+    scene::Background { zenith: [0.25, 0.45, 0.80], horizon: [0.80, 0.87, 0.95], ground: [0.22, 0.21, 0.20] };
+
+/// Ambient light of a scene that brings its own lights, and of one that does not.
+const AMBIENT: [f32; 3] = [0.05; 3];
+const AMBIENT_BUILT_IN: [f32; 3] = [0.25, 0.27, 0.30];
+
+impl Lighting {
+    pub fn of(scene: &Scene, _bounds: [[f32; 3]; 2]) -> Self {
+        let built_in = scene.lights.is_empty();
+        let mut notes = Vec::new();
+        if built_in {
+            let emissive = scene.materials.iter().any(|m| m.emission != [0.0; 3]);
+            notes.push(format!(
+                "no lights in the scene{}: a built-in sun, headlight and sky light it",
+                if emissive { " but glowing surfaces, which this shading shows and does not light with" } else { "" }
+            ));
+        }
+        let sky = scene.background.unwrap_or(SKY);
+        let ambient = scene.ambient.unwrap_or(if built_in { AMBIENT_BUILT_IN } else { AMBIENT });
+        Self {
+            lights: if built_in { vec![sun()] } else { scene.lights.iter().map(light).collect() },
+            headlight: built_in.then_some(Vec3::splat(0.35)),
+            background: Background {
+                zenith: sky.zenith.into(),
+                horizon: sky.horizon.into(),
+                ground: sky.ground.into(),
+                up: vec3(0.0, 1.0, 0.0),
+            },
+            ambient: ambient.into(),
+            notes,
+        }
+    }
+
+    /// The lights on the device, as seen from a camera.
+    pub fn upload(&self, device: &Device, camera: &Camera) -> Result<Buffer<Light>, DeviceError> {
+        let mut lights = self.lights.clone();
+        lights.extend(self.headlight.map(|color| Light {
+            kind: kind::POINT,
+            position: camera.eye.into(),
+            color,
+            ..sun()
+        }));
+        device.upload(&lights)
+    }
+}
+
+fn sun() -> Light {
+    Light {
+        position: Vec3::ZERO,
+        kind: kind::DIRECTIONAL,
+        direction: vec3(-0.45, -0.8, -0.4).normalize(),
+        range: f32::INFINITY,
+        color: vec3(0.85, 0.80, 0.72),
+        cos_outer: -1.0,
+        attenuation: vec3(1.0, 0.0, 0.0),
+        cone_scale: 0.0,
+    }
+}
+
+fn light(light: &scene::Light) -> Light {
+    let mut ready =
+        Light { range: light.range, color: light.color.into(), attenuation: light.attenuation.into(), ..sun() };
+    match light.kind {
+        LightKind::Point { position } => (ready.kind, ready.position) = (kind::POINT, position.into()),
+        LightKind::Directional { direction } => ready.direction = Vec3::from(direction).normalize(),
+        LightKind::Spot { position, direction, inner, outer } => {
+            (ready.kind, ready.position) = (kind::SPOT, position.into());
+            ready.direction = Vec3::from(direction).normalize();
+            ready.cos_outer = outer.cos();
+            // A cone without a soft edge still needs a finite slope.
+            ready.cone_scale = 1.0 / (inner.cos() - outer.cos()).max(1e-4);
+        }
+    }
+    ready
+}

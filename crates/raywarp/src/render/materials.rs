@@ -1,0 +1,139 @@
+//! Materials, textures and images as the kernels read them.
+
+use raywarp_kernels::material::{flags, Material};
+use raywarp_kernels::texture::{mode, Texture, NO_TEXTURE};
+
+use crate::scene::{self, AlphaMode, Channel, Filter, Image, NormalMap, Scene, Wrap};
+
+/// Materials and the textures that they refer to.
+pub(super) struct Surfaces {
+    pub materials: Vec<Material>,
+    pub textures: Vec<Texture>,
+}
+
+/// All materials of a scene.
+pub(super) fn ready(scene: &Scene) -> Surfaces {
+    let mut first = 0;
+    let places = scene.images.iter().map(|image| {
+        let whole = image.texels.len() as u64 == image.width as u64 * image.height as u64;
+        let place = Place { first, width: image.width, height: image.height, whole };
+        first += image.texels.len() as u32;
+        place
+    });
+    let mut list = List { places: places.collect(), textures: Vec::new() };
+    let materials = scene.materials.iter().map(|m| list.material(m)).collect();
+    Surfaces { materials, textures: list.textures }
+}
+
+/// All images, one after the other.
+pub(super) fn texels(scene: &Scene) -> Vec<u32> {
+    let texels = |image: &Image| image.texels.iter().map(|&rgba| u32::from_le_bytes(rgba)).collect::<Vec<_>>();
+    scene.images.iter().flat_map(texels).collect()
+}
+
+/// Linear value of each sRGB byte (IEC 61966-2-1).
+pub(super) fn srgb_table() -> Vec<f32> {
+    let decode = |byte: u32| {
+        let c = byte as f64 / 255.0;
+        if c <= 0.04045 {
+            c / 12.92
+        } else {
+            ((c + 0.055) / 1.055).powf(2.4)
+        }
+    };
+    (0..256).map(|byte| decode(byte) as f32).collect()
+}
+
+/// Where an image lies among the texels.
+#[derive(Clone, Copy)]
+struct Place {
+    first: u32,
+    width: u32,
+    height: u32,
+    /// It has as many texels as its size says, and some.
+    whole: bool,
+}
+
+struct List {
+    places: Vec<Place>,
+    textures: Vec<Texture>,
+}
+
+impl List {
+    fn material(&mut self, material: &scene::Material) -> Material {
+        let mut bits = 0;
+        bits |= if material.unlit { flags::UNLIT } else { 0 };
+        bits |= if material.fresnel { flags::FRESNEL } else { 0 };
+        let (alpha, cutoff) = match material.alpha {
+            AlphaMode::Opaque => (0, 0.0),
+            AlphaMode::Mask(cutoff) => (flags::MASK, cutoff),
+            AlphaMode::Blend => (flags::BLEND, 0.0),
+        };
+        let (height, bump, normal_map) = match material.normal_map {
+            None => (0, 0.0, NO_TEXTURE),
+            Some(NormalMap::Tangent { texture, scale }) => (0, scale, self.texture(Some(&texture))),
+            Some(NormalMap::Height { texture, scale }) => (flags::HEIGHT, scale, self.texture(Some(&texture))),
+        };
+        Material {
+            ambient: material.ambient.into(),
+            shininess: material.shininess.max(0.0),
+            diffuse: material.diffuse.into(),
+            ior: if material.ior > 0.0 { material.ior } else { 1.0 },
+            specular: material.specular.into(),
+            opacity: material.opacity,
+            emission: material.emission.into(),
+            cutoff,
+            reflection: material.reflection.into(),
+            flags: bits | alpha | height,
+            transmission: material.transmission.into(),
+            bump,
+            diffuse_map: self.texture(material.diffuse_map.as_ref()),
+            specular_map: self.texture(material.specular_map.as_ref()),
+            emission_map: self.texture(material.emission_map.as_ref()),
+            opacity_map: self.texture(material.opacity_map.as_ref()),
+            normal_map,
+        }
+    }
+
+    /// Index of the texture; none for one whose image is not there.
+    fn texture(&mut self, texture: Option<&scene::Texture>) -> u32 {
+        let place = texture.and_then(|texture| Some((texture, *self.places.get(texture.image as usize)?)));
+        let Some((texture, place)) = place.filter(|(_, place)| place.whole && place.width > 0 && place.height > 0)
+        else {
+            return NO_TEXTURE;
+        };
+        let [u_row, v_row] = texture.transform.map(Into::into);
+        self.textures.push(Texture {
+            first: place.first,
+            width: place.width,
+            height: place.height,
+            mode: mode_of(texture),
+            u_row,
+            v_row,
+            base: texture.base,
+            gain: texture.gain,
+        });
+        self.textures.len() as u32 - 1
+    }
+}
+
+fn mode_of(texture: &scene::Texture) -> u32 {
+    let wrap = |wrap: Wrap| match wrap {
+        Wrap::Repeat => 0,
+        Wrap::Clamp => mode::CLAMP_U,
+        Wrap::Mirror => mode::MIRROR_U,
+    };
+    let channel = match texture.channel {
+        Channel::Rgb => 0,
+        Channel::Red => 1,
+        Channel::Green => 2,
+        Channel::Blue => 3,
+        Channel::Alpha => 4,
+        Channel::Luminance => 5,
+    };
+    wrap(texture.wrap[0])
+        | wrap(texture.wrap[1]) << 2
+        | if texture.filter == Filter::Nearest { mode::NEAREST } else { 0 }
+        | if texture.srgb { mode::SRGB } else { 0 }
+        | channel << mode::CHANNEL_SHIFT
+}

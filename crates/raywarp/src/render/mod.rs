@@ -1,0 +1,248 @@
+//! From a scene to a picture: flatten it, build the tree, put both on a device, trace.
+
+mod bands;
+mod camera;
+mod error;
+mod flatten;
+mod lighting;
+mod materials;
+mod options;
+mod passes;
+mod resident;
+
+use std::time::Instant;
+
+use raywarp_kernels::film::Pixel;
+use raywarp_kernels::kernels::{Frame, Surfel};
+use raywarp_kernels::shade::whitted::Limits;
+use raywarp_kernels::traverse::Tests;
+use raywarp_kernels::view::ViewMut;
+
+use crate::accel::{sift, Accel, AccelKind, Dropped, Resident, TreeStats};
+use crate::backend::{Buffer, Device};
+use crate::image::Picture;
+use crate::scene::{Camera, Scene};
+use bands::Bands;
+use flatten::Flat;
+use lighting::Lighting;
+use resident::ResidentScene;
+
+pub use error::RenderError;
+pub use options::{RenderOptions, MAX_DEPTH, MAX_SPP};
+
+/// A scene on a device, ready to be traced from any camera.
+pub struct Tracer {
+    device: Device,
+    scene: ResidentScene,
+    structure: Resident,
+    lighting: Lighting,
+    camera: Camera,
+    report: Report,
+}
+
+/// What became of the scene on its way to the device.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// Triangles that can be hit.
+    pub triangles: usize,
+    /// Triangles that cannot.
+    pub dropped: Dropped,
+    /// Vertices of all instances.
+    pub vertices: usize,
+    /// Low and high corner of all triangles; both zero where there are none.
+    pub bounds: [[f32; 3]; 2],
+    /// The structure.
+    pub tree: TreeStats,
+    /// Bytes on the device, without the picture.
+    pub device_bytes: u64,
+    /// Seconds to bring all instances to world space.
+    pub flatten_seconds: f64,
+    /// Seconds to build the structure.
+    pub build_seconds: f64,
+    /// Seconds to copy everything to the device.
+    pub upload_seconds: f64,
+    /// What the renderer added by its own choice, each a sentence without the full stop.
+    pub notes: Vec<String>,
+}
+
+/// How far a rendering is, in samples of all pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Samples taken.
+    pub done: u64,
+    /// Samples to take.
+    pub total: u64,
+}
+
+/// A finished picture and what it cost.
+#[derive(Clone, Debug)]
+pub struct Rendering {
+    /// Mean radiance of each pixel.
+    pub picture: Picture,
+    /// Tests of each pixel, where they were asked for.
+    pub tests: Option<Vec<Tests>>,
+    /// Seconds that the kernels ran on the device.
+    pub kernel_seconds: f64,
+    /// Kernels launched.
+    pub launches: u32,
+    /// Rays of all kinds, where tests were asked for.
+    pub rays: Option<u64>,
+    /// Pixels that came out infinite or NaN; they are black in the picture.
+    pub non_finite: u64,
+}
+
+impl Tracer {
+    /// Prepares a scene.
+    ///
+    /// # Errors
+    /// [`RenderError`] where the scene is too large for the structure or for the device's memory.
+    pub fn new(scene: &Scene, accel: AccelKind, device: &Device) -> Result<Self, RenderError> {
+        let start = Instant::now();
+        let mut flat = Flat::of(scene)?;
+        let (triangles, dropped) = sift(std::mem::take(&mut flat.triangles));
+        let flatten_seconds = start.elapsed().as_secs_f64();
+
+        let start = Instant::now();
+        let count = triangles.len();
+        let bounds = flatten::bounds(&triangles);
+        let tree = Accel::build(accel, triangles)?;
+        let build_seconds = start.elapsed().as_secs_f64();
+
+        let start = Instant::now();
+        let estimate = ResidentScene::bytes(&flat, scene) + tree.stats().bytes as u64;
+        device.reserve(estimate, "the scene")?;
+        let resident = ResidentScene::upload(device, &flat, scene)?;
+        let structure = Resident::upload(device, &tree)?;
+        let upload_seconds = start.elapsed().as_secs_f64();
+
+        let lighting = Lighting::of(scene, bounds);
+        let (camera, framed) = camera::default_camera(scene, bounds);
+        let mut notes = lighting.notes.clone();
+        notes.extend(framed);
+        let report = Report {
+            triangles: count,
+            dropped,
+            vertices: flat.positions.len(),
+            bounds,
+            tree: tree.stats(),
+            device_bytes: estimate,
+            flatten_seconds,
+            build_seconds,
+            upload_seconds,
+            notes,
+        };
+        Ok(Self { device: device.clone(), scene: resident, structure, lighting, camera, report })
+    }
+
+    /// What became of the scene.
+    pub fn report(&self) -> &Report {
+        &self.report
+    }
+
+    /// The scene's first camera, or one that frames its bounds.
+    pub fn default_camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Renders a picture and calls `progress` several times a second. The same scene, camera, options and seed give
+    /// the same picture on every device.
+    ///
+    /// # Errors
+    /// [`RenderError`] for impossible options, a camera without a direction, or a device that fails.
+    pub fn render(
+        &self,
+        camera: &Camera,
+        options: &RenderOptions,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<Rendering, RenderError> {
+        let window = options.check()?;
+        let pixels = window.pixels();
+        let counted = if options.count_tests { pixels } else { 0 };
+        let bytes = pixels * std::mem::size_of::<Pixel>() + counted * std::mem::size_of::<Tests>();
+        self.device.reserve(bytes as u64, "the picture")?;
+        let mut film = self.device.zeroed::<Pixel>(pixels)?;
+        let mut tests = self.device.zeroed::<Tests>(counted)?;
+
+        // Bands of rows, each large enough to fill the device and small enough to report on.
+        let lights = self.lighting.upload(&self.device, camera)?;
+        let scene = self.scene.view(&lights, &self.lighting);
+        let camera = camera::kernel_camera(camera, options.size)?;
+        let mut bands = Bands::new(window, options.spp, self.device.is_cuda());
+        let (mut kernel_seconds, mut launches) = (0.0, 0);
+        while let Some(band) = bands.next() {
+            let frame = Frame {
+                camera,
+                origin: band.origin,
+                extent: band.extent,
+                film: [window.origin[0], window.origin[1], window.extent[0]],
+                samples: [band.samples[0], band.samples[1], options.spp],
+                seed: options.seed,
+            };
+            let limits = Limits { depth: options.max_depth, shadows: options.shadows as u32 };
+            let pass = passes::Pass { scene, frame, limits, film: film.view_mut(), tests: tests.view_mut() };
+            let seconds = passes::shade(&self.device, &self.structure, &pass)?;
+            kernel_seconds += seconds;
+            launches += 1;
+            bands.took(seconds);
+            progress(Progress { done: bands.done(), total: bands.total() });
+        }
+        finish(options, film, tests, kernel_seconds, launches, window.extent)
+    }
+
+    /// What the ray through the centre of each pixel meets first, row by row.
+    ///
+    /// # Errors
+    /// As for [`render`](Self::render).
+    pub fn layers(&self, camera: &Camera, options: &RenderOptions) -> Result<Vec<Surfel>, RenderError> {
+        let window = options.check()?;
+        self.device.reserve((window.pixels() * std::mem::size_of::<Surfel>()) as u64, "the layers of the picture")?;
+        let mut surfels = self.device.zeroed::<Surfel>(window.pixels())?;
+        let lights = self.lighting.upload(&self.device, camera)?;
+        let pass = passes::Pass {
+            scene: self.scene.view(&lights, &self.lighting),
+            frame: Frame {
+                camera: camera::kernel_camera(camera, options.size)?,
+                origin: window.origin,
+                extent: window.extent,
+                film: [window.origin[0], window.origin[1], window.extent[0]],
+                samples: [0, 1, 1],
+                seed: options.seed,
+            },
+            limits: Limits { depth: 0, shadows: 0 },
+            film: ViewMut::EMPTY,
+            tests: ViewMut::EMPTY,
+        };
+        passes::surfels(&self.device, &self.structure, &pass, surfels.view_mut())?;
+        Ok(surfels.download()?)
+    }
+}
+
+/// Sums to means, and the bill.
+fn finish(
+    options: &RenderOptions,
+    film: Buffer<Pixel>,
+    tests: Buffer<Tests>,
+    kernel_seconds: f64,
+    launches: u32,
+    [width, height]: [u32; 2],
+) -> Result<Rendering, RenderError> {
+    let samples = options.spp as f32;
+    let mut non_finite = 0;
+    let pixels = film.download()?.iter().map(|pixel| mean(pixel, samples, &mut non_finite)).collect();
+    let tests = if options.count_tests { Some(tests.download()?) } else { None };
+    let rays = tests.as_ref().map(|tests| tests.iter().map(|t| t.rays as u64).sum());
+    let picture = Picture { width, height, pixels };
+    Ok(Rendering { picture, tests, kernel_seconds, launches, rays, non_finite })
+}
+
+fn mean(pixel: &Pixel, samples: f32, non_finite: &mut u64) -> [f32; 4] {
+    let [r, g, b] = pixel.radiance.to_array().map(|sum| sum / samples);
+    let finite = r.is_finite() && g.is_finite() && b.is_finite();
+    *non_finite += !finite as u64;
+    let coverage = pixel.hits / samples;
+    if finite {
+        [r, g, b, coverage]
+    } else {
+        [0.0, 0.0, 0.0, coverage]
+    }
+}

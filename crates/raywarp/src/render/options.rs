@@ -1,0 +1,77 @@
+//! What a picture may be asked to be.
+
+use super::RenderError;
+
+/// Most bounces, see [`raywarp_kernels::shade::whitted::MAX_DEPTH`].
+pub const MAX_DEPTH: u32 = raywarp_kernels::shade::whitted::MAX_DEPTH;
+
+/// Most samples a pixel: beyond, single precision no longer adds them up.
+pub const MAX_SPP: u32 = 1 << 20;
+
+/// Most pixels along a side.
+const MAX_SIDE: u32 = 1 << 16;
+
+/// The options of a picture, with their defaults.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RenderOptions {
+    /// Width and height of the whole picture, in pixels.
+    pub size: [u32; 2],
+    /// Samples a pixel, at least 1.
+    pub spp: u32,
+    /// Bounces after the camera ray, at most [`MAX_DEPTH`].
+    pub max_depth: u32,
+    /// Whether lights cast shadows.
+    pub shadows: bool,
+    /// Changes the random numbers.
+    pub seed: u32,
+    /// Left, top, right and bottom of the part to render, in pixels, the last two exclusive; `None` for all.
+    pub crop: Option<[u32; 4]>,
+    /// Whether to count the tests of each pixel.
+    pub count_tests: bool,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        Self { size: [1920, 1080], spp: 1, max_depth: 5, shadows: true, seed: 0, crop: None, count_tests: false }
+    }
+}
+
+/// The part of the picture to compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Window {
+    pub origin: [u32; 2],
+    pub extent: [u32; 2],
+}
+
+impl Window {
+    pub fn pixels(&self) -> usize {
+        self.extent[0] as usize * self.extent[1] as usize
+    }
+}
+
+impl RenderOptions {
+    /// The window, once every option is in its range.
+    pub(super) fn check(&self) -> Result<Window, RenderError> {
+        let refuse = |sentence: String| Err(RenderError::Option(sentence));
+        let [width, height] = self.size;
+        if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
+            return refuse(format!(
+                "a picture of {width}x{height} pixels is not possible; give 1 to {MAX_SIDE} a side"
+            ));
+        }
+        if !(1..=MAX_SPP).contains(&self.spp) {
+            return refuse(format!("{} samples a pixel are not possible; give 1 to {MAX_SPP}", self.spp));
+        }
+        if self.max_depth > MAX_DEPTH {
+            return refuse(format!("a depth of {} is not possible; give 0 to {MAX_DEPTH}", self.max_depth));
+        }
+        let [left, top, right, bottom] = self.crop.unwrap_or([0, 0, width, height]);
+        if left >= right || top >= bottom || right > width || bottom > height {
+            return refuse(format!(
+                "the crop {left},{top},{right},{bottom} holds no pixel of the {width}x{height} picture; give \
+                 left,top,right,bottom with left < right <= {width} and top < bottom <= {height}"
+            ));
+        }
+        Ok(Window { origin: [left, top], extent: [right - left, bottom - top] })
+    }
+}

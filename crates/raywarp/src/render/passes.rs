@@ -1,0 +1,54 @@
+//! The launches of a frame: one entry point for each structure and each wish.
+
+use std::marker::PhantomData;
+
+use raywarp_kernels::film::Pixel;
+use raywarp_kernels::kernels::{Frame, Kernel, Surfel, Surfels, Whitted};
+use raywarp_kernels::shade::whitted::Limits;
+use raywarp_kernels::surface;
+use raywarp_kernels::traverse::{Structure, Tests, Uncounted};
+use raywarp_kernels::view::ViewMut;
+
+use crate::accel::{with_structure, Resident};
+use crate::backend::{Device, DeviceError};
+
+/// One launch of a frame: everything but the structure.
+#[derive(Clone, Copy)]
+pub(super) struct Pass {
+    pub scene: surface::Scene,
+    pub frame: Frame,
+    pub limits: Limits,
+    pub film: ViewMut<Pixel>,
+    /// Empty: nobody counts.
+    pub tests: ViewMut<Tests>,
+}
+
+/// Adds the samples of a pass to the film; returns the seconds on the device.
+pub(super) fn shade(device: &Device, structure: &Resident, pass: &Pass) -> Result<f64, DeviceError> {
+    with_structure!(structure, structure => match pass.tests.is_empty() {
+            true => run(device, pass, &whitted::<_, Uncounted>(structure, pass)),
+            false => run(device, pass, &whitted::<_, Tests>(structure, pass)),
+    })
+}
+
+/// Fills a surfel for each pixel of a pass.
+pub(super) fn surfels(
+    device: &Device,
+    structure: &Resident,
+    pass: &Pass,
+    surfels: ViewMut<Surfel>,
+) -> Result<f64, DeviceError> {
+    let (scene, frame) = (pass.scene, pass.frame);
+    with_structure!(structure, structure => run(device, pass, &Surfels { structure, scene, frame, surfels }))
+}
+
+fn whitted<S: Structure, C>(structure: S, pass: &Pass) -> Whitted<S, C> {
+    let Pass { scene, frame, limits, film, tests } = *pass;
+    Whitted { structure, scene, frame, limits, film, tests, counter: PhantomData }
+}
+
+fn run(device: &Device, pass: &Pass, kernel: &impl Kernel) -> Result<f64, DeviceError> {
+    // SAFETY: the structure's views are of buffers borrowed for this call; those of the pass belong to the frame that
+    // `Tracer` holds while it waits here. `Flat` checked the indices of the scene, the builders those of the trees.
+    unsafe { device.launch(kernel, pass.frame.extent) }
+}

@@ -1,0 +1,72 @@
+//! A scene and its structure in the memory of a device.
+
+use raywarp_kernels::light::Light;
+use raywarp_kernels::material::Material;
+use raywarp_kernels::math::Vec3;
+use raywarp_kernels::surface::{self, Primitive};
+use raywarp_kernels::texture::{Texture, Textures};
+
+use super::flatten::Flat;
+use super::lighting::Lighting;
+use super::materials::{self, Surfaces};
+use crate::backend::{Buffer, Device, DeviceError};
+use crate::scene::Scene;
+
+/// What shading reads.
+pub(super) struct ResidentScene {
+    primitives: Buffer<Primitive>,
+    positions: Buffer<Vec3>,
+    normals: Buffer<Vec3>,
+    uvs: Buffer<[f32; 2]>,
+    colors: Buffer<[f32; 4]>,
+    tangents: Buffer<[f32; 4]>,
+    materials: Buffer<Material>,
+    textures: Buffer<Texture>,
+    texels: Buffer<u32>,
+    decode: Buffer<f32>,
+}
+
+impl ResidentScene {
+    /// What it will take on a device.
+    pub fn bytes(flat: &Flat, scene: &Scene) -> u64 {
+        let vertices = size(&flat.positions) + size(&flat.normals) + size(&flat.uvs) + size(&flat.colors);
+        let texels: usize = scene.images.iter().map(|image| size(&image.texels)).sum();
+        (vertices + size(&flat.tangents) + size(&flat.primitives) + texels) as u64
+    }
+
+    pub fn upload(device: &Device, flat: &Flat, scene: &Scene) -> Result<Self, DeviceError> {
+        let Surfaces { materials, textures } = materials::ready(scene);
+        Ok(Self {
+            primitives: device.upload(&flat.primitives)?,
+            positions: device.upload(&flat.positions)?,
+            normals: device.upload(&flat.normals)?,
+            uvs: device.upload(&flat.uvs)?,
+            colors: device.upload(&flat.colors)?,
+            tangents: device.upload(&flat.tangents)?,
+            materials: device.upload(&materials)?,
+            textures: device.upload(&textures)?,
+            texels: device.upload(&materials::texels(scene))?,
+            decode: device.upload(&materials::srgb_table())?,
+        })
+    }
+
+    pub fn view(&self, lights: &Buffer<Light>, lighting: &Lighting) -> surface::Scene {
+        surface::Scene {
+            primitives: self.primitives.view(),
+            positions: self.positions.view(),
+            normals: self.normals.view(),
+            uvs: self.uvs.view(),
+            colors: self.colors.view(),
+            tangents: self.tangents.view(),
+            materials: self.materials.view(),
+            textures: Textures { list: self.textures.view(), texels: self.texels.view(), decode: self.decode.view() },
+            lights: lights.view(),
+            background: lighting.background,
+            ambient: lighting.ambient,
+        }
+    }
+}
+
+fn size<T>(items: &[T]) -> usize {
+    std::mem::size_of_val(items)
+}

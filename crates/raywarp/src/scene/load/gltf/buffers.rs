@@ -1,0 +1,125 @@
+//! The bytes behind buffers and buffer views.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::rc::Rc;
+
+use ::gltf::json::{buffer, Index, Root};
+
+use super::super::{LoadError, Sources};
+use super::origin::Origin;
+use super::uri::{resolve, Resource};
+
+/// All buffers of a file, each as long as it claims at least.
+pub(super) struct Buffers<'a> {
+    list: Vec<Data<'a>>,
+    views: &'a [buffer::View],
+}
+
+enum Data<'a> {
+    Chunk(&'a [u8]),
+    Owned(Vec<u8>),
+    /// Several buffers may name one file.
+    File(Rc<Vec<u8>>),
+}
+
+impl Data<'_> {
+    fn bytes(&self) -> &[u8] {
+        match self {
+            Self::Chunk(bytes) => bytes,
+            Self::Owned(bytes) => bytes,
+            Self::File(bytes) => bytes,
+        }
+    }
+}
+
+/// A part of a buffer.
+#[derive(Clone, Copy)]
+pub(super) struct View<'a> {
+    pub bytes: &'a [u8],
+    /// Bytes from one element to the next, if stated.
+    pub stride: Option<usize>,
+}
+
+impl<'a> Buffers<'a> {
+    /// Reads every buffer; the one without a URI is the binary chunk.
+    pub fn load(origin: Origin, root: &'a Root, chunk: Option<&'a [u8]>, sources: &Sources) -> Result<Self, LoadError> {
+        let mut files = HashMap::new();
+        let mut list = Vec::new();
+        for (index, buffer) in root.buffers.iter().enumerate() {
+            let name = format!("buffers[{index}]");
+            let data = match &buffer.uri {
+                Some(uri) => read(origin, &name, uri, sources, &mut files)?,
+                None => Data::Chunk(chunk.filter(|_| index == 0).ok_or_else(|| {
+                    origin
+                        .broken(format!("{name} has no uri"), "a uri, or the first buffer of a GLB with a binary chunk")
+                })?),
+            };
+            let (has, claims) = (data.bytes().len(), buffer.byte_length.0);
+            if (has as u64) < claims {
+                return Err(origin.broken(format!("{name} has {has} bytes"), format!("its byteLength of {claims}")));
+            }
+            list.push(data);
+        }
+        Ok(Self { list, views: &root.buffer_views })
+    }
+
+    /// Bytes of all buffers together, shared files once.
+    pub fn total_bytes(&self) -> usize {
+        let share = |data: &Data| match data {
+            Data::File(bytes) => bytes.len() / Rc::strong_count(bytes).max(1),
+            other => other.bytes().len(),
+        };
+        self.list.iter().map(share).sum()
+    }
+
+    /// The bytes of a view, for the JSON object that is named `owner` in messages.
+    pub fn view(&self, origin: Origin, owner: &str, index: Index<buffer::View>) -> Result<View<'_>, LoadError> {
+        let index = index.value();
+        let missing = || {
+            origin.broken(
+                format!("{owner} uses bufferViews[{index}]"),
+                format!("an index below {}, the number of views", self.views.len()),
+            )
+        };
+        let view = self.views.get(index).ok_or_else(missing)?;
+        let buffer = view.buffer.value();
+        let data = self.list.get(buffer).ok_or_else(|| {
+            let expected = format!("an index below {}, the number of buffers", self.list.len());
+            origin.broken(format!("bufferViews[{index}] uses buffers[{buffer}]"), expected)
+        })?;
+        let (start, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
+        let bytes = range(data.bytes(), start, length).ok_or_else(|| {
+            let read = format!("bufferViews[{index}] has {length} bytes from byte {start}");
+            origin.broken(read, format!("a part of the {} bytes of buffers[{buffer}]", data.bytes().len()))
+        })?;
+        // 0 is not allowed and means none where it is written.
+        let stride = view.byte_stride.map(|stride| stride.0).filter(|&stride| stride > 0);
+        Ok(View { bytes, stride })
+    }
+}
+
+fn range(bytes: &[u8], start: u64, length: u64) -> Option<&[u8]> {
+    let start = usize::try_from(start).ok()?;
+    let end = start.checked_add(usize::try_from(length).ok()?)?;
+    bytes.get(start..end)
+}
+
+fn read<'a>(
+    origin: Origin,
+    name: &str,
+    uri: &str,
+    sources: &Sources,
+    files: &mut HashMap<PathBuf, Rc<Vec<u8>>>,
+) -> Result<Data<'a>, LoadError> {
+    let path = match resolve(origin, name, uri)? {
+        Resource::Bytes(bytes) => return Ok(Data::Owned(bytes)),
+        Resource::File(path) => path,
+    };
+    if let Some(bytes) = files.get(&path) {
+        return Ok(Data::File(bytes.clone()));
+    }
+    let bytes = Rc::new(sources.bytes(&path)?);
+    files.insert(path, bytes.clone());
+    Ok(Data::File(bytes))
+}

@@ -1,8 +1,0 @@
-use std::path::Path;
-
-use super::{LoadError, Sources};
-use crate::scene::Scene;
-
-pub(super) fn read(path: &Path, _sources: &mut Sources) -> Result<Scene, LoadError> {
-    Err(LoadError::unknown_format(path))
-}

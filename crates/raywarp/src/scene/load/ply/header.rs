@@ -1,0 +1,178 @@
+//! The header: what the body holds, checked against the size of the file before any of it is read.
+
+use std::path::Path;
+
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::{DefaultElement, Encoding, PropertyType, ScalarType};
+
+use super::super::quote::quote;
+use super::super::{LoadError, Place};
+
+/// What the body holds and where it starts.
+pub(super) struct Header {
+    pub encoding: Encoding,
+    pub elements: Vec<Element>,
+    /// Byte offset of the body.
+    pub body: usize,
+    /// Line number of the first line of the body, from 1.
+    pub body_line: usize,
+}
+
+/// A table of the body.
+pub(super) struct Element {
+    pub name: String,
+    pub count: usize,
+    pub properties: Vec<Property>,
+}
+
+/// A column of a table.
+pub(super) struct Property {
+    pub name: String,
+    pub kind: PropertyType,
+}
+
+impl Header {
+    /// Reads the header at the start of a file.
+    pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, LoadError> {
+        let (text, body) = split(path, bytes)?;
+        let parsed = Parser::<DefaultElement>::new()
+            .read_header(&mut Reader::new(text.as_bytes()))
+            .map_err(|error| refused(path, &text, &error))?;
+        let elements: Vec<Element> = parsed
+            .elements
+            .into_values()
+            .map(|element| Element {
+                name: element.name,
+                count: element.count,
+                properties: element
+                    .properties
+                    .into_values()
+                    .map(|property| Property { name: property.name, kind: property.data_type })
+                    .collect(),
+            })
+            .collect();
+        refuse_doubles(path, &text, &elements)?;
+        Ok(Self { encoding: parsed.encoding, elements, body, body_line: text.lines().count() + 1 })
+    }
+
+    /// Number of rows of an element; 0 if there is none.
+    pub fn count(&self, name: &str) -> usize {
+        self.elements.iter().find(|element| element.name == name).map_or(0, |element| element.count)
+    }
+
+    /// Compares what the header claims with what the file can hold.
+    ///
+    /// After this, memory for `count` rows of any element with properties is a bounded multiple of the file's size.
+    pub fn check_against_size(&self, path: &Path, file_size: usize) -> Result<(), LoadError> {
+        let available = (file_size - self.body) as u128;
+        let mut claimed = 0;
+        for element in &self.elements {
+            let row = element.least_bytes(self.encoding) as u128;
+            claimed += row * element.count as u128;
+            // The last line of an ascii file may lack its end.
+            if claimed > available + u128::from(self.encoding == Encoding::Ascii) {
+                return Err(LoadError::TooLarge {
+                    path: path.to_owned(),
+                    place: Place::File,
+                    what: format!(
+                        "the header claims {} rows of '{}' of at least {row} bytes each, but {available} bytes follow it",
+                        element.count, element.name
+                    ),
+                    help: "The file is cut off or its header is wrong: write it again.".to_owned(),
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Element {
+    /// Bytes of the shortest possible row: lists are empty; in ascii, a digit and a separator a value.
+    fn least_bytes(&self, encoding: Encoding) -> usize {
+        match encoding {
+            Encoding::Ascii => 2 * self.properties.len(),
+            _ => self.properties.iter().map(|property| least_size(&property.kind)).sum(),
+        }
+    }
+}
+
+fn least_size(kind: &PropertyType) -> usize {
+    match kind {
+        PropertyType::Scalar(scalar) | PropertyType::List(scalar, _) => size_of_scalar(scalar),
+    }
+}
+
+/// Bytes of a value in a binary file.
+pub(super) fn size_of_scalar(kind: &ScalarType) -> usize {
+    match kind {
+        ScalarType::Char | ScalarType::UChar => 1,
+        ScalarType::Short | ScalarType::UShort => 2,
+        ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
+        ScalarType::Double => 8,
+    }
+}
+
+/// The header's text with plain line ends, and the byte offset of the body.
+fn split(path: &Path, bytes: &[u8]) -> Result<(String, usize), LoadError> {
+    let mut text = String::new();
+    let mut start = 0;
+    while start < bytes.len() {
+        let rest = &bytes[start..];
+        let length = rest.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(rest.len());
+        let line = &rest[..length];
+        start += length + if rest[length..].starts_with(b"\r\n") { 2 } else { 1 };
+        if text.is_empty() && line.trim_ascii_end() != b"ply" {
+            break;
+        }
+        // Comments in old encodings are no reason to refuse a file.
+        text.push_str(String::from_utf8_lossy(line).trim_end());
+        text.push('\n');
+        if line.trim_ascii_end() == b"end_header" {
+            return Ok((text, start.min(bytes.len())));
+        }
+    }
+    let (place, read, expected) = match text.is_empty() {
+        true => (Place::Byte(0), "the first line is not 'ply'".to_owned(), "the first line of every PLY file"),
+        false => (Place::File, "the header has no end".to_owned(), "a line 'end_header'"),
+    };
+    Err(LoadError::Syntax {
+        path: path.to_owned(),
+        place,
+        read,
+        expected: expected.to_owned(),
+        help: "Check that this is a whole PLY file.".to_owned(),
+    })
+}
+
+fn refused(path: &Path, text: &str, error: &ParseError) -> LoadError {
+    let line = error.line().filter(|&line| line > 0);
+    let read = match line.and_then(|line| text.lines().nth(line - 1)) {
+        Some(content) => quote(content.as_bytes()),
+        None => "the header is incomplete".to_owned(),
+    };
+    LoadError::Syntax {
+        path: path.to_owned(),
+        place: line.map_or(Place::File, |line| Place::Line(line, 1)),
+        read,
+        expected: "'format <encoding> 1.0', then 'element <name> <count>' and 'property <type> <name>' lines"
+            .to_owned(),
+        help: "Correct the header.".to_owned(),
+    }
+}
+
+/// The parser's maps keep the last of two definitions of a name, which would shift all that follows.
+fn refuse_doubles(path: &Path, text: &str, elements: &[Element]) -> Result<(), LoadError> {
+    let stated =
+        |keyword: &str| text.lines().filter(|line| line.split_ascii_whitespace().next() == Some(keyword)).count();
+    let properties: usize = elements.iter().map(|element| element.properties.len()).sum();
+    if stated("element") == elements.len() && stated("property") == properties {
+        return Ok(());
+    }
+    Err(LoadError::Syntax {
+        path: path.to_owned(),
+        place: Place::File,
+        read: "the header defines an element or a property twice".to_owned(),
+        expected: "every name once".to_owned(),
+        help: "Correct the header.".to_owned(),
+    })
+}

@@ -1,0 +1,40 @@
+//! Statements that are passed over, counted by their keyword.
+
+use super::Statement;
+
+/// Keywords that are counted apart; a file of nothing but keywords must not become a message for each.
+const MAX_KINDS: usize = 20;
+
+/// How often each keyword was passed over, in the order of their first lines.
+#[derive(Default)]
+pub(crate) struct Tally<'a> {
+    pub kinds: Vec<Kind<'a>>,
+    /// Statements of further keywords.
+    pub more: usize,
+}
+
+/// One keyword.
+pub(crate) struct Kind<'a> {
+    pub keyword: &'a [u8],
+    /// Where it stands first.
+    pub line: usize,
+    pub count: usize,
+}
+
+impl<'a> Tally<'a> {
+    pub fn count(&mut self, statement: &Statement<'a>) {
+        if let Some(kind) = self.kinds.iter_mut().find(|kind| kind.keyword == statement.keyword) {
+            kind.count += 1;
+        } else if self.kinds.len() < MAX_KINDS {
+            self.kinds.push(Kind { keyword: statement.keyword, line: statement.line, count: 1 });
+        } else {
+            self.more += 1;
+        }
+    }
+}
+
+/// What may be a statement of a dialect. Anything else means that the file is something else.
+pub(crate) fn is_keyword(keyword: &[u8]) -> bool {
+    keyword.first().is_some_and(u8::is_ascii_alphabetic)
+        && keyword.iter().all(|byte| byte.is_ascii_alphanumeric() || b"_-.".contains(byte))
+}
