@@ -26,7 +26,7 @@ pub fn split(text: &str, versions: &str) -> Result<Vec<Kernel>> {
 
 /// The tool chain that a module's second line names.
 pub fn versions(module: &str) -> Option<&str> {
-    module.lines().nth(1)?.strip_prefix("// ")
+    module.lines().nth(1)?.strip_prefix("// Made with ")
 }
 
 fn module(entry: &Item, source: &Source, versions: &str) -> Result<Kernel> {
@@ -36,7 +36,7 @@ fn module(entry: &Item, source: &Source, versions: &str) -> Result<Kernel> {
     reached.sort_by_key(|item| item.kind != Kind::Data);
     let names = names(&reached);
     let name = entry.symbol.clone();
-    let title = format!("// Kernel {name} of raywarp, written by `cargo xtask ptx`\n// {versions}\n");
+    let title = format!("// Kernel {name} of raywarp, written by `cargo xtask ptx`\n// Made with {versions}\n");
     let items: String = reached.iter().map(|item| definition(item, &names)).collect();
     Ok(Kernel { name, text: title + &source.head + &items })
 }
