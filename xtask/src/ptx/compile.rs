@@ -11,6 +11,10 @@ use crate::process;
 /// The oldest GPUs that the PTX runs on.
 const TARGET: &str = "sm_75";
 
+/// A panic is a trap, which the host sees as an error; its message would only cost registers, and the location in it
+/// would carry a path of this machine into the PTX.
+const PANICS: &str = "-Zunstable-options -Cpanic=immediate-abort -Zlocation-detail=none";
+
 /// Compiles all kernels to the text of one module.
 pub fn compile(places: &Places, toolchain: &Toolchain) -> Result<String> {
     let target = places.work.join("target");
@@ -18,8 +22,7 @@ pub fn compile(places: &Places, toolchain: &Toolchain) -> Result<String> {
     cargo
         .args(["build", "--release", "--locked", "--target", "nvptx64-nvidia-cuda", "-Zbuild-std=core", "--target-dir"])
         .arg(&target)
-        // A location of a panic would carry a path of this machine into the PTX.
-        .env("RUSTFLAGS", format!("-Ctarget-cpu={TARGET} -Zlocation-detail=none"))
+        .env("RUSTFLAGS", format!("-Ctarget-cpu={TARGET} {PANICS}"))
         .current_dir(places.root.join("crates/raywarp-ptx"));
     process::run(&mut cargo)?;
     let path = target.join("nvptx64-nvidia-cuda/release/raywarp_ptx.ptx");
