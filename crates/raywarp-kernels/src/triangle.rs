@@ -30,9 +30,20 @@ pub struct Triangle {
     pub extent: f32,
 }
 
-/// Bound of the rounding error of each determinant below, in units of `|d| |s| |e|` in the maximum norm: six products
-/// of three factors, each factor and product and sum rounded, which is at most 6 * 7 roundings of 2^-24.
-const ROUNDING: f32 = 42.0 / 16_777_216.0;
+/// How far from zero u, v and w must be for their sign to be that of the exact value, in units of the largest product
+/// of three factors. Counted in roundings, of 2^-24 each:
+/// - a determinant is six such products, rounded in the edge and in `s` (2 each), in the vector product (1 or 2) and in
+///   the scalar product (1 to 3): 6 * (2 + 1.5 + 2) = 33;
+/// - w sums three determinants, and the sum of two of them, at most 12 products, is rounded: 3 * 33 + 12 = 111;
+/// - [`decide`](Triangle::decide) moves each corner by a rounding of its distance from the ray, at most two edges if it
+///   then finds the ray inside: 2 products of 2 factors, each 2 * 2: 16.
+///
+/// The last lets neighbours disagree on nothing: a triangle that `decide` would accept is never refused without it.
+const ROUNDING: f32 = 128.0 / 16_777_216.0;
+
+/// Doubt for each unit of distance or direction: below 2^-126 a rounding of the product of two factors is not relative,
+/// but at most 2^-149, to be multiplied by the third.
+const VANISHING: f32 = f32::from_bits((127 - 120) << 23);
 
 impl Triangle {
     /// From its corners; any floats are legal, a triangle with NaN or without area is never hit.
@@ -58,14 +69,18 @@ impl Triangle {
         let q = s.cross(e1);
         let v = d.dot(q) * sign;
         let w = det.abs() - u - v;
-        let doubt = ROUNDING * d.max_abs() * self.extent * arch::max(s.max_abs(), self.extent);
+        let (length, distance) = (d.max_abs(), arch::max(s.max_abs(), self.extent));
+        // In this order it overflows before anything above does: then nothing is certain.
+        let largest = 8.0 * self.extent * distance * length;
+        let doubt = arch::fma(largest, ROUNDING / 8.0, VANISHING * (length + distance + 1.0));
         let least = arch::min(arch::min(u, v), w);
         if least < -doubt {
             return None;
         }
         if least > doubt {
             let inverse = 1.0 / det.abs();
-            let t = e2.dot(q) * sign * inverse;
+            // Scaled first: `e2 . q` vanishes for triangles of 1e-13.
+            let t = e2.dot(q * (sign * inverse));
             return Some(Hit { t, u: u * inverse, v: v * inverse, primitive: self.primitive });
         }
         // Copies, so that only this rare case has the two in memory and not in registers.
@@ -73,47 +88,74 @@ impl Triangle {
         triangle.decide(&ray)
     }
 
-    /// The same question in double precision, symmetrically: each edge function is a determinant of the direction and
-    /// the two ends seen from the origin, so that the neighbour's is its exact negative, and zero counts as inside.
+    /// The same question in the plane across the ray, after Woop, Benthin and Wald 2013.
+    ///
+    /// The corners are sheared along the ray and rounded to single precision, each by itself, so that every triangle of
+    /// a mesh sees the same ones. In the plane the products of two coordinates are then exact in double precision and
+    /// so are the signs of the edge functions: the mesh of rounded corners has no gaps, and zero counts as inside.
     #[cold]
     #[inline(never)]
     fn decide(&self, ray: &Ray) -> Option<Hit> {
-        let d = double(ray.direction);
-        let [a, b, c] = [self.v0, self.v1, self.v2].map(|v| subtract(double(v), double(ray.origin)));
-        let (u, v, w) = (triple(d, c, b), triple(d, a, c), triple(d, b, a));
+        let plane = Across::new(ray);
+        let [a, b, c] = [self.v0, self.v1, self.v2].map(|v| plane.project(v));
+        let (w, u, v) = (edge(b, c), edge(c, a), edge(a, b));
         let det = u + v + w;
         let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
         if !inside || det == 0.0 {
             return None;
         }
-        let (u, v, w) = (u / det, v / det, w / det);
-        let point = [0, 1, 2].map(|i| u * a[i] + v * b[i] + w * c[i]);
-        let t = (dot(point, d) / dot(d, d)) as f32;
-        (t.abs() < f32::INFINITY).then_some(Hit { t, u: v as f32, v: w as f32, primitive: self.primitive })
+        let inverse = 1.0 / det;
+        let t = ((w * a.t + u * b.t + v * c.t) * inverse) as f32;
+        let (u, v) = ((u * inverse) as f32, (v * inverse) as f32);
+        let finite = t.abs() < f32::INFINITY && ray.direction.max_abs() < f32::INFINITY;
+        finite.then_some(Hit { t, u, v, primitive: self.primitive })
     }
 }
 
-type Double = [f64; 3];
-
-#[inline(always)]
-fn double(v: Vec3) -> Double {
-    [v.x as f64, v.y as f64, v.z as f64]
+/// A ray as an axis: points are told by where they lie along it and across it.
+struct Across {
+    /// The direction's largest component and the two others.
+    axes: [u32; 3],
+    origin: Vec3,
+    inverse: f64,
+    /// Of the two other components to the largest.
+    slope: [f64; 2],
 }
 
-#[inline(always)]
-fn subtract(a: Double, b: Double) -> Double {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+/// A point along and across a ray.
+#[derive(Clone, Copy)]
+struct Projected {
+    t: f64,
+    /// In single precision.
+    x: f64,
+    y: f64,
 }
 
-#[inline(always)]
-fn dot(a: Double, b: Double) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+impl Across {
+    fn new(ray: &Ray) -> Self {
+        let d = ray.direction;
+        let (x, y, z) = (d.x.abs(), d.y.abs(), d.z.abs());
+        let axes = match (x >= y && x >= z, y >= z) {
+            (true, _) => [0, 1, 2],
+            (false, true) => [1, 2, 0],
+            (false, false) => [2, 0, 1],
+        };
+        let inverse = 1.0 / d[axes[0]] as f64;
+        let slope = [d[axes[1]] as f64 * inverse, d[axes[2]] as f64 * inverse];
+        Self { axes, origin: ray.origin, inverse, slope }
+    }
+
+    fn project(&self, point: Vec3) -> Projected {
+        let from_origin = |axis: u32| point[axis] as f64 - self.origin[axis] as f64;
+        let along = from_origin(self.axes[0]);
+        let across = |i: usize| (from_origin(self.axes[i + 1]) - self.slope[i] * along) as f32 as f64;
+        Projected { t: along * self.inverse, x: across(0), y: across(1) }
+    }
 }
 
-/// `d . (a x b)`, without fused operations: exchanging `a` and `b` then negates it exactly.
-#[inline(always)]
-fn triple(d: Double, a: Double, b: Double) -> f64 {
-    dot(d, [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+/// Twice the area between the ray and two points; of the right sign, and negated by exchanging them.
+fn edge(a: Projected, b: Projected) -> f64 {
+    a.x * b.y - a.y * b.x
 }
 
 #[cfg(test)]

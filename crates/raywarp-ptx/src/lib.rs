@@ -5,6 +5,7 @@
 use raywarp_kernels::arch;
 use raywarp_kernels::kernels::Kernel;
 
+// The compiler asks for one, though a panic becomes a trap where it happens.
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
     loop {}

@@ -61,11 +61,6 @@ impl Bounds {
         (0..3).all(|i| self.low[i] <= other.low[i] && other.high[i] <= self.high[i])
     }
 
-    /// Whether a point is in both.
-    pub fn touches(&self, other: &Self) -> bool {
-        (0..3).all(|i| self.low[i] <= other.high[i] && other.low[i] <= self.high[i])
-    }
-
     pub fn corners(&self) -> [Vec3; 2] {
         [self.low.into(), self.high.into()]
     }

@@ -2,7 +2,7 @@
 
 /// Cuts polygons, with a limit on the time that all of them together may take.
 pub(crate) struct Triangulator {
-    /// Tests of a vertex against an ear that may still be made.
+    /// Steps, such as the test of a corner against an ear, that may still be made.
     budget: u64,
     /// Polygons that were not cut to the end for want of budget.
     pub unfinished: usize,
@@ -12,15 +12,15 @@ pub(crate) struct Triangulator {
     reflex: Vec<u32>,
 }
 
-/// Tests a byte of the file. Ears cost the square of a polygon's corners: this is enough for any polygon of a thousand
+/// Steps a byte of the file. Ears cost the square of a polygon's corners: this is enough for any polygon of a thousand
 /// corners, and files of large ones still end.
-const TESTS_A_BYTE: u64 = 100;
+const STEPS_A_BYTE: u64 = 100;
 
 impl Triangulator {
     /// For a file of so many bytes.
     pub fn new(file_bytes: usize) -> Self {
         Self {
-            budget: (file_bytes as u64).saturating_mul(TESTS_A_BYTE),
+            budget: (file_bytes as u64).saturating_mul(STEPS_A_BYTE),
             unfinished: 0,
             triangles: Vec::new(),
             flat: Vec::new(),
@@ -60,27 +60,58 @@ impl Triangulator {
         self.flat.extend(polygon.iter().map(|p| [f64::from(p[u]), f64::from(p[v])]));
     }
 
-    /// Meisters 1975. Where no ear is left, as in polygons that cross themselves, the next corner is cut anyway.
+    /// Meisters 1975. Where no ear is left, as in polygons that cross themselves, the next corner is cut anyway; where
+    /// the budget ends, what is left is cut as a fan.
     fn clip_ears(&mut self, corners: u32) {
         self.ring.clear();
         self.ring.extend(0..corners);
-        let (mut at, mut passed_over) = (0, 0);
-        while self.ring.len() > 3 {
-            at %= self.ring.len();
-            if passed_over == 0 {
-                self.find_reflex();
+        self.reflex.clear();
+        for at in 0..corners {
+            if self.bulges_in(at as usize) {
+                self.reflex.push(at);
             }
-            if passed_over >= self.ring.len() || self.budget == 0 || self.is_ear(at) {
-                self.triangles.push(self.ear(at));
-                self.ring.remove(at);
+        }
+        let (mut at, mut passed_over) = (0, 0);
+        while self.ring.len() > 3 && self.budget > 0 {
+            at %= self.ring.len();
+            if passed_over == self.ring.len() || self.is_ear(at) {
+                self.clip(at);
                 passed_over = 0;
             } else {
                 passed_over += 1;
             }
             at += 1;
         }
-        self.triangles.push([self.ring[0], self.ring[1], self.ring[2]]);
-        self.unfinished += usize::from(self.budget == 0);
+        self.unfinished += usize::from(self.ring.len() > 3);
+        self.triangles.extend(self.ring[1..].windows(2).map(|pair| [self.ring[0], pair[0], pair[1]]));
+    }
+
+    fn clip(&mut self, at: usize) {
+        self.triangles.push(self.ear(at));
+        let corner = self.ring.remove(at);
+        self.reflex.retain(|&reflex| reflex != corner);
+        let count = self.ring.len();
+        for neighbour in [(at + count - 1) % count, at % count] {
+            self.update_reflex(neighbour);
+        }
+        // Both lists are gone through once.
+        self.spend(1 + (count + self.reflex.len()) / 16);
+    }
+
+    fn update_reflex(&mut self, at: usize) {
+        let corner = self.ring[at];
+        let listed = self.reflex.iter().position(|&reflex| reflex == corner);
+        match (listed, self.bulges_in(at)) {
+            (Some(index), false) => {
+                self.reflex.swap_remove(index);
+            }
+            (None, true) => self.reflex.push(corner),
+            _ => {}
+        }
+    }
+
+    fn spend(&mut self, tests: usize) {
+        self.budget = self.budget.saturating_sub(tests as u64);
     }
 
     /// The corner and its neighbours on the ring.
@@ -93,24 +124,19 @@ impl Triangulator {
         triangle.map(|corner| self.flat[corner as usize])
     }
 
-    /// Only corners that do not bulge out can lie in an ear.
-    fn find_reflex(&mut self) {
-        self.reflex.clear();
-        for at in 0..self.ring.len() {
-            if turn(self.points(self.ear(at))) <= 0.0 {
-                self.reflex.push(self.ring[at]);
-            }
-        }
-        self.budget = self.budget.saturating_sub(self.ring.len() as u64);
+    /// Only such a corner can lie in an ear.
+    fn bulges_in(&self, at: usize) -> bool {
+        turn(self.points(self.ear(at))) <= 0.0
     }
 
     fn is_ear(&mut self, at: usize) -> bool {
         let ear = self.ear(at);
         let [a, b, c] = self.points(ear);
+        self.spend(1);
         if turn([a, b, c]) <= 0.0 {
             return false;
         }
-        self.budget = self.budget.saturating_sub(self.reflex.len() as u64);
+        self.spend(self.reflex.len());
         !self.reflex.iter().map(|&corner| self.flat[corner as usize]).any(|p| {
             // A corner may be repeated: where a slit leads to a hole, the same point is on the ring twice.
             p != a && p != b && p != c && [[a, b, p], [b, c, p], [c, a, p]].into_iter().all(|side| turn(side) >= 0.0)

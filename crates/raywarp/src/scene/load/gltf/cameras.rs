@@ -23,8 +23,8 @@ pub(super) fn read(
         let expected = format!("an index below {}, the number of cameras", cameras.len());
         reader.origin.broken(format!("a node uses cameras[{index}]"), expected)
     })?;
-    let own_name = || json.name.clone().unwrap_or_else(|| format!("cameras[{index}]"));
-    let name = node_name.map_or_else(own_name, str::to_owned);
+    let place_in_file = format!("cameras[{index}]");
+    let name = reader.copy_name(node_name.or(json.name.as_deref()).unwrap_or(&place_in_file))?;
     let view = world.transform_vector3(DVec3::NEG_Z).try_normalize();
     let up = world.transform_vector3(DVec3::Y).try_normalize();
     let (Some(projection), Some(view), Some(up), true) = (projection(json), view, up, world.translation.is_finite())

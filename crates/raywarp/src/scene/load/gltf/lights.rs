@@ -29,8 +29,8 @@ pub(super) fn read(
         let expected = format!("an index below {}, the number of lights", lights.len());
         reader.origin.broken(format!("a node uses lights[{index}]"), expected)
     })?;
-    let own_name = || json.name.clone().unwrap_or_else(|| format!("lights[{index}]"));
-    let name = node_name.map_or_else(own_name, str::to_owned);
+    let place_in_file = format!("lights[{index}]");
+    let name = reader.copy_name(node_name.or(json.name.as_deref()).unwrap_or(&place_in_file))?;
     let Some(kind) = kind(json, world) else {
         return reader
             .warn(format!("light {} has no usable type or placement and is left out", quote(name.as_bytes())));

@@ -15,8 +15,17 @@ use super::texture::{self, Slot};
 use super::Reader;
 use crate::scene::{AlphaMode, Material, NormalMap, Texture};
 
-/// Index in the scene of a material of the JSON; `None` is the default one, white and rough.
-pub(super) fn read(reader: &mut Reader, index: Option<usize>) -> Result<u32, LoadError> {
+/// A material that was read.
+#[derive(Clone, Copy)]
+pub(super) struct Known {
+    /// Index in the scene's materials.
+    pub index: u32,
+    /// The set of texture coordinates that its meshes need.
+    pub texture_set: u32,
+}
+
+/// A material of the JSON; `None` is the default one, white and rough.
+pub(super) fn read(reader: &mut Reader, index: Option<usize>) -> Result<Known, LoadError> {
     if let Some(&known) = reader.cache.materials.get(&index) {
         return Ok(known);
     }
@@ -28,17 +37,16 @@ pub(super) fn read(reader: &mut Reader, index: Option<usize>) -> Result<u32, Loa
     };
     let mut material = Material { name, ..Material::default() };
     convert(reader, &json, &mut material)?;
-    let place = reader.scene.materials.len() as u32;
+    let known = Known { index: reader.scene.materials.len() as u32, texture_set: texture_set(reader, &json)? };
     reader.scene.materials.push(material);
-    reader.cache.materials.insert(index, place);
-    Ok(place)
+    reader.cache.materials.insert(index, known);
+    Ok(known)
 }
 
-/// The set of texture coordinates that a mesh needs for a material: that of the base colour, else of any texture.
-pub(super) fn texture_set(reader: &mut Reader, index: Option<usize>) -> Result<u32, LoadError> {
-    let json = json(reader, index)?;
+/// The set of texture coordinates of the base colour, else of any texture.
+fn texture_set(reader: &mut Reader, json: &JsonMaterial) -> Result<u32, LoadError> {
     let mut slots: Vec<Slot> = Vec::new();
-    slots.extend(base_texture(&json).map(Slot::from));
+    slots.extend(base_texture(json).map(Slot::from));
     slots.extend(json.normal_texture.as_ref().map(|map| Slot::of_normal_map(reader.origin, map)).transpose()?);
     slots.extend(json.emissive_texture.as_ref().map(Slot::from));
     let set = slots.first().map_or(0, |slot| slot.set);

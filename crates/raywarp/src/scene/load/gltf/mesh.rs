@@ -42,10 +42,11 @@ pub(super) fn read(reader: &mut Reader, index: usize) -> Result<Rc<[Part]>, Load
         let expected = format!("an index below {}, the number of meshes", root.meshes.len());
         reader.origin.broken(format!("a node uses meshes[{index}]"), expected)
     })?;
+    let place_in_file = format!("meshes[{index}]");
+    let name = mesh.name.as_deref().unwrap_or(&place_in_file);
     let mut parts = Vec::new();
     for (place, primitive) in mesh.primitives.iter().enumerate() {
         let owner = format!("meshes[{index}].primitives[{place}]");
-        let name = mesh.name.clone().unwrap_or_else(|| format!("meshes[{index}]"));
         parts.extend(read_primitive(reader, primitive, &owner, name)?);
     }
     let parts: Rc<[Part]> = parts.into();
@@ -57,7 +58,7 @@ fn read_primitive(
     reader: &mut Reader,
     primitive: &Primitive,
     owner: &str,
-    name: String,
+    name: &str,
 ) -> Result<Option<Part>, LoadError> {
     let Checked::Valid(mode) = primitive.mode else {
         return Err(reader.origin.broken(format!("{owner} has a wrong mode"), "0 to 6"));
@@ -66,16 +67,15 @@ fn read_primitive(
         reader.warn("points and lines are left out")?;
         return Ok(None);
     }
-    let json_material = primitive.material.map(|index| index.value());
-    let set = material::texture_set(reader, json_material)?;
     let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
     let Some(positions) = attribute(Semantic::Positions) else {
         reader.warn("primitives without positions are left out")?;
         return Ok(None);
     };
+    let material = material::read(reader, primitive.material.map(|index| index.value()))?;
     let attributes =
-        [Semantic::Normals, Semantic::Tangents, Semantic::TexCoords(set), Semantic::Colors(0)].map(attribute);
-    let material = material::read(reader, json_material)?;
+        [Semantic::Normals, Semantic::Tangents, Semantic::TexCoords(material.texture_set), Semantic::Colors(0)]
+            .map(attribute);
     let geometry = Geometry {
         attributes: [Some(positions), attributes[0], attributes[1], attributes[2], attributes[3]]
             .map(|accessor| accessor.map(|index| index.value())),
@@ -83,16 +83,16 @@ fn read_primitive(
         mode: mode as u8,
     };
     if let Some(&mesh) = reader.cache.geometry.get(&geometry) {
-        return Ok(Some(Part { mesh, material }));
+        return Ok(Some(Part { mesh, material: material.index }));
     }
     let mut mesh = build(reader, owner, mode, primitive.indices, positions, attributes)?;
-    mesh.name = name;
-    mesh.materials = vec![material; mesh.triangles.len()];
+    mesh.name = reader.copy_name(name)?;
+    mesh.materials = vec![material.index; mesh.triangles.len()];
     reader.dropped.triangles += repair::drop_non_finite(&mut mesh);
     let place = reader.scene.meshes.len();
     reader.scene.meshes.push(mesh);
     reader.cache.geometry.insert(geometry, place);
-    Ok(Some(Part { mesh: place, material }))
+    Ok(Some(Part { mesh: place, material: material.index }))
 }
 
 /// Everything of a mesh but its name and materials.

@@ -97,7 +97,7 @@ struct Cache {
     geometry: HashMap<mesh::Geometry, usize>,
     meshes: HashMap<usize, Rc<[mesh::Part]>>,
     /// `None` is the material of primitives without one.
-    materials: HashMap<Option<usize>, u32>,
+    materials: HashMap<Option<usize>, material::Known>,
     images: HashMap<usize, u32>,
     /// Mean texels of pictures.
     means: HashMap<usize, [f32; 4]>,
@@ -106,6 +106,12 @@ struct Cache {
 impl Reader<'_> {
     fn warn(&mut self, message: impl Into<String>) -> Result<(), LoadError> {
         self.sources.warn(self.origin.path, None, message)
+    }
+
+    /// A copy of a name, on the budget: a long one may be asked for many times.
+    fn copy_name(&mut self, name: &str) -> Result<String, LoadError> {
+        self.budget.take(self.origin, name.len(), 1)?;
+        Ok(name.to_owned())
     }
 
     fn warn_about_numbers(&mut self) -> Result<(), LoadError> {

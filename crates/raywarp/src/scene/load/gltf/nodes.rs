@@ -96,8 +96,9 @@ fn add_instances(
     world: DAffine3,
 ) -> Result<(), LoadError> {
     let parts = mesh::read(reader, mesh)?;
-    let json_mesh = reader.root.meshes.get(mesh).and_then(|mesh| mesh.name.clone());
-    let name = node.name.clone().or(json_mesh).unwrap_or_else(|| format!("nodes[{index}]"));
+    let mesh_name = reader.root.meshes.get(mesh).and_then(|mesh| mesh.name.as_deref());
+    let place_in_file = format!("nodes[{index}]");
+    let name = node.name.as_deref().or(mesh_name).unwrap_or(&place_in_file);
     let placements = match instancing::read(reader, index, node)? {
         Some(placements) => placements.into_iter().map(|placement| world * placement).collect(),
         None => vec![world],
@@ -108,10 +109,11 @@ fn add_instances(
             continue;
         };
         for part in parts.iter() {
-            reader.budget.take(reader.origin, 1, std::mem::size_of::<Instance>() + name.len())?;
+            reader.budget.take(reader.origin, 1, std::mem::size_of::<Instance>())?;
+            let name = reader.copy_name(name)?;
             let own = reader.scene.meshes[part.mesh].materials.first().copied();
             let material = own.filter(|&own| own != part.material).map(|_| part.material);
-            reader.scene.instances.push(Instance { name: name.clone(), mesh: part.mesh, transform, material });
+            reader.scene.instances.push(Instance { name, mesh: part.mesh, transform, material });
         }
     }
     Ok(())

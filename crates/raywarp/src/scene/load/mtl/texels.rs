@@ -44,3 +44,32 @@ fn value([r, g, b, a]: [u8; 4], channel: Channel) -> u8 {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A picture of 1000 texels, half of them empty, some with these alphas, the rest full.
+    fn with_alphas(between: impl Iterator<Item = u8>) -> Image {
+        let alphas = between.chain(std::iter::repeat_n(0, 500)).chain(std::iter::repeat(255));
+        let texels = alphas.take(1000).map(|alpha| [50, 60, 70, alpha]).collect();
+        Image { name: String::new(), width: 1000, height: 1, texels }
+    }
+
+    #[test]
+    fn soft_edges_are_cut_out_and_panes_are_not() {
+        let edges = with_alphas((20..235).step_by(2));
+        assert!(is_cutout(&edges, Channel::Alpha));
+        let pane = with_alphas(std::iter::repeat_n(128, 100));
+        assert!(!is_cutout(&pane, Channel::Alpha));
+        let gradient = with_alphas((16..240).chain(16..240));
+        assert!(!is_cutout(&gradient, Channel::Alpha));
+    }
+
+    #[test]
+    fn compressed_grey_is_grey() {
+        assert!(!is_grey(&with_alphas(std::iter::empty())));
+        let grey = Image { texels: vec![[100, 108, 103, 255]; 10], ..Image::default() };
+        assert!(is_grey(&grey) && !has_alpha(&grey));
+    }
+}

@@ -25,12 +25,12 @@ use meshes::Meshes;
 use points::Points;
 
 /// Below this size no count can pass what a `u32` holds: a corner of a face, the shortest thing counted, is two bytes.
-const MAX_BYTES: usize = 1 << 33;
+const MAX_BYTES: u64 = 1 << 33;
 
 /// Reads an OBJ file with its material libraries.
 pub(super) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadError> {
     let bytes = sources.bytes(path)?;
-    check_size(path, bytes.len())?;
+    check_size(path, bytes.len() as u64)?;
     check_encoding(path, &bytes)?;
 
     let points = Points::read(path, &bytes)?;
@@ -59,7 +59,7 @@ fn place(meshes: Vec<Mesh>, scene: &mut Scene) {
     scene.meshes = meshes;
 }
 
-fn check_size(path: &Path, size: usize) -> Result<(), LoadError> {
+fn check_size(path: &Path, size: u64) -> Result<(), LoadError> {
     if size <= MAX_BYTES {
         return Ok(());
     }

@@ -224,3 +224,12 @@ proptest! {
         let _ = load_mutated(&bytes);
     }
 }
+
+#[test]
+fn a_long_name_that_many_nodes_show_is_refused() {
+    let name = "n".repeat(1 << 20);
+    let json = triangle("").replace("shape", &name);
+    let json = json.replace(r#"{"mesh":0}"#, &vec![r#"{"mesh":0}"#; 200].join(","));
+    let json = json.replace(r#""scenes":[{"nodes":[0]}]"#, r#""extras":0"#);
+    assert!(refusal(&json).contains("unfold to more than the limit"));
+}

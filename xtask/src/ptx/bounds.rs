@@ -1,0 +1,32 @@
+//! Launch bounds. Rust has no attribute for them, so they are written into the PTX here.
+
+/// What a kernel is promised about its launches, and told about registers.
+#[derive(Clone, Copy)]
+struct Bounds {
+    /// Most threads in a block: the host never launches larger ones.
+    threads: u32,
+    /// Blocks that should fit on a multiprocessor at once; 0 leaves it to the driver.
+    blocks: u32,
+    /// Most registers a thread; 0 leaves it to the driver.
+    registers: u32,
+}
+
+const DEFAULT: Bounds = Bounds { threads: 128, blocks: 0, registers: 0 };
+
+/// The first row whose first column begins a kernel's name holds; [`DEFAULT`] where none does.
+/// Tune here, run `cargo xtask ptx`, and read the effect in `docs/kernels.md`.
+const TABLE: &[(&str, Bounds)] = &[];
+
+/// The directives to put between a kernel's parameters and its body, one a line.
+pub fn directives(kernel: &str) -> String {
+    let row = TABLE.iter().find(|(start, _)| kernel.starts_with(start));
+    let Bounds { threads, blocks, registers } = row.map_or(DEFAULT, |(_, bounds)| *bounds);
+    let mut text = format!(".maxntid {threads}, 1, 1\n");
+    if blocks > 0 {
+        text += &format!(".minnctapersm {blocks}\n");
+    }
+    if registers > 0 {
+        text += &format!(".maxnreg {registers}\n");
+    }
+    text
+}

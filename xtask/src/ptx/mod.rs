@@ -1,0 +1,156 @@
+//! `cargo xtask ptx`: writes the committed PTX and the table of what it needs, or checks them.
+//!
+//! The steps in order: [`toolchain`] finds or installs a compiler for the GPU, [`compile`] runs it, [`module`] takes its
+//! output apart into one self-contained and machine-independent module a kernel, [`bounds`] adds the launch bounds,
+//! [`assembler`] sees that every GPU accepts it, [`report`] is the table.
+
+mod assembler;
+mod bounds;
+mod check;
+mod compile;
+mod module;
+mod report;
+mod source;
+mod toolchain;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{bail, Context, Result};
+use raywarp_kernels::kernels::NAMES;
+
+use crate::process;
+use assembler::Assembler;
+use toolchain::{Kind, Toolchain};
+
+/// Where the host crate includes the modules from.
+const MODULES: &str = "crates/raywarp/src/backend/cuda/ptx";
+/// The table of registers, stack and spills.
+const REPORT: &str = "docs/kernels.md";
+
+/// Compile the kernels to PTX and write the committed files.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Write nothing: compare with the committed files, and fail if they differ.
+    #[arg(long)]
+    check: bool,
+    /// Fetch what is missing of the tool chain: packages by apt-get or rustup, ptxas by pip.
+    #[arg(long)]
+    install: bool,
+    /// Which compiler to use. [default: Debian's if it is there, else rustup's nightly]
+    #[arg(long)]
+    toolchain: Option<Kind>,
+}
+
+/// Folders that the steps share.
+pub struct Places {
+    root: PathBuf,
+    /// Everything that is fetched or built on the way; below `target`, so that `cargo clean` removes it.
+    work: PathBuf,
+}
+
+impl Places {
+    fn new() -> Self {
+        let root = process::root();
+        Self { work: root.join("target/ptx"), root }
+    }
+
+    fn committed_modules(&self) -> PathBuf {
+        self.root.join(MODULES)
+    }
+
+    fn fresh_modules(&self) -> PathBuf {
+        self.work.join("modules")
+    }
+
+    fn report(&self) -> PathBuf {
+        self.root.join(REPORT)
+    }
+}
+
+/// One kernel's module as text.
+pub struct Kernel {
+    name: String,
+    text: String,
+}
+
+/// Does what the command line asks.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let places = Places::new();
+    let toolchain = Toolchain::find(&places.work, arguments.toolchain, arguments.install)?;
+    let assembler = Assembler::find(&places.work, arguments.install)?;
+    println!("compiling with {}, assembling with ptxas {}", toolchain.versions, assembler.version);
+    let kernels = make(&places, &toolchain)?;
+    if arguments.check {
+        check::check(&places, &toolchain, &assembler, &kernels)
+    } else {
+        write(&places, &toolchain, &assembler, &kernels)
+    }
+}
+
+/// Compiles every kernel, and leaves the modules in a folder of their own too.
+fn make(places: &Places, toolchain: &Toolchain) -> Result<Vec<Kernel>> {
+    let text = compile::compile(places, toolchain)?;
+    let kernels = module::split(&text, &toolchain.versions)?;
+    see_that_all_are_there(&kernels)?;
+    save(&places.fresh_modules(), &kernels)?;
+    Ok(kernels)
+}
+
+fn see_that_all_are_there(kernels: &[Kernel]) -> Result<()> {
+    let made: Vec<&str> = kernels.iter().map(|kernel| kernel.name.as_str()).collect();
+    let missing: Vec<&str> = NAMES.iter().copied().filter(|name| !made.contains(name)).collect();
+    let extra: Vec<&str> = made.iter().copied().filter(|name| !NAMES.contains(name)).collect();
+    if !missing.is_empty() || !extra.is_empty() {
+        bail!(
+            "the PTX is not what for_each_kernel! lists: it lacks {missing:?} and has {extra:?} beyond it. \
+             Make crates/raywarp-ptx export exactly the list in crates/raywarp-kernels/src/kernels.rs"
+        );
+    }
+    Ok(())
+}
+
+fn write(places: &Places, toolchain: &Toolchain, assembler: &Assembler, kernels: &[Kernel]) -> Result<()> {
+    save(&places.committed_modules(), kernels)?;
+    let table = report::table(places, toolchain, assembler, kernels)?;
+    let path = places.report();
+    fs::write(&path, table).with_context(|| format!("cannot write {}", path.display()))?;
+    let bytes: usize = kernels.iter().map(|kernel| kernel.text.len()).sum();
+    println!("wrote {} modules ({} kB) to {MODULES}, and {REPORT}", kernels.len(), bytes / 1000);
+    Ok(())
+}
+
+/// Leaves exactly these modules in the folder.
+fn save(folder: &Path, kernels: &[Kernel]) -> Result<()> {
+    fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    for stale in module_names(folder)? {
+        remove_unless(&folder.join(stale + ".ptx"), kernels)?;
+    }
+    for kernel in kernels {
+        let path = folder.join(format!("{}.ptx", kernel.name));
+        fs::write(&path, &kernel.text).with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    Ok(())
+}
+
+fn remove_unless(path: &Path, kernels: &[Kernel]) -> Result<()> {
+    let wanted = kernels.iter().any(|kernel| path.file_stem().is_some_and(|stem| stem == kernel.name.as_str()));
+    if wanted {
+        return Ok(());
+    }
+    fs::remove_file(path).with_context(|| format!("cannot remove {}", path.display()))
+}
+
+/// Names of the modules in a folder, sorted.
+fn module_names(folder: &Path) -> Result<Vec<String>> {
+    let entries = fs::read_dir(folder).with_context(|| format!("cannot list {}", folder.display()))?;
+    let mut names = Vec::new();
+    for entry in entries {
+        let path = entry.with_context(|| format!("cannot list {}", folder.display()))?.path();
+        if path.extension().is_some_and(|extension| extension == "ptx") {
+            names.extend(path.file_stem().map(|stem| stem.to_string_lossy().into_owned()));
+        }
+    }
+    names.sort();
+    Ok(names)
+}
