@@ -91,6 +91,13 @@ fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: 
         return;
     }
     say::warnings(&loaded.warnings);
+    let dropped = tracer.report().dropped;
+    if dropped.without_area > 0 {
+        say::line(&format!("warning: triangles without area, {} of them, are dropped", dropped.without_area));
+    }
+    if dropped.not_finite > 0 {
+        say::line(&format!("warning: triangles that are not finite, {} of them, are dropped", dropped.not_finite));
+    }
     for note in &tracer.report().notes {
         say::line(&format!("note: {note}"));
     }
