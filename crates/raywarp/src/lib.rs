@@ -1,7 +1,30 @@
 //! A ray tracer for CUDA that needs nothing but the driver, and runs on the CPU without one.
+//!
+//! The way of a picture: [`scene::load`] reads files into a [`scene::Scene`], a [`render::Tracer`] flattens it, builds
+//! a structure ([`accel`]) and puts both on a [`backend::Device`], and what it [renders](render::Tracer::render) goes to
+//! [`image`]. A [`query::RayCaster`] answers single rays instead.
+//!
+//! ```
+//! use raywarp::accel::AccelKind;
+//! use raywarp::backend::{Device, DeviceChoice};
+//! use raywarp::render::{RenderOptions, Tracer};
+//!
+//! let loaded = raywarp::scene::load::builtin()?;
+//! let device = Device::open(DeviceChoice::Auto)?;
+//! let tracer = Tracer::new(&loaded.scene, AccelKind::Bvh, &device)?;
+//! let options = RenderOptions { size: [64, 36], ..RenderOptions::default() };
+//! let rendering = tracer.render(tracer.default_camera(), &options, &mut |_| ())?;
+//! assert_eq!(rendering.picture.pixels.len(), 64 * 36);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod accel;
 pub mod backend;
 pub mod image;
+pub mod query;
 pub mod render;
 pub mod scene;
+
+pub use raywarp_kernels::math::Vec3;
+pub use raywarp_kernels::ray::{Hit, Ray, MISS};
+pub use raywarp_kernels::triangle::Triangle;

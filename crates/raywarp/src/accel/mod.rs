@@ -26,8 +26,8 @@ use raywarp_kernels::traverse::{closest, occlusion, Counter, Occlusion};
 use raywarp_kernels::triangle::Triangle;
 
 pub use error::{BuildError, Invalid};
-pub(crate) use resident::{with_structure, Resident};
 pub use kind::{AccelKind, UnknownKind};
+pub(crate) use resident::{with_structure, Resident};
 pub use stats::{TreeStats, NODE_COST, TRIANGLE_COST};
 pub use triangles::{sift, Dropped};
 pub use view::Borrowed;
