@@ -151,7 +151,7 @@ fn an_unreadable_file_is_an_error() {
     use std::os::unix::fs::PermissionsExt;
     let place = Place::new();
     place.write("secret.obj", TRIANGLE);
-    std::fs::set_permissions(place.path("secret.obj"), std::fs::Permissions::from_mode(0)).unwrap();
+    std::fs::set_permissions(place.path("secret.obj"), std::fs::Permissions::from_mode(0o000)).unwrap();
     // Permissions mean nothing to root.
     if std::fs::read(place.path("secret.obj")).is_err() {
         place.render(&["secret.obj"]).fails(2, "Check the file's permissions.");
