@@ -18,8 +18,19 @@ pub fn exit_code(error: &anyhow::Error) -> ExitCode {
     if error.chain().any(is_broken_pipe) {
         return ExitCode::SUCCESS;
     }
-    say::line(&format!("error: {error:#}"));
+    say::line(&format!("error: {}", sentence(error)));
     ExitCode::from(if error.chain().any(is_of_device) { DEVICE } else { USAGE })
+}
+
+/// The error and its causes, without those that an error above them has quoted already.
+fn sentence(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    text
 }
 
 fn is_broken_pipe(cause: &(dyn std::error::Error + 'static)) -> bool {
@@ -29,4 +40,15 @@ fn is_broken_pipe(cause: &(dyn std::error::Error + 'static)) -> bool {
 
 fn is_of_device(cause: &(dyn std::error::Error + 'static)) -> bool {
     cause.is::<DeviceError>() || matches!(cause.downcast_ref(), Some(RenderError::Device(_)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_cause_is_said_twice() {
+        let error = anyhow::anyhow!("disk on fire").context("cannot read a.obj: disk on fire").context("no scene");
+        assert_eq!(sentence(&error), "no scene: cannot read a.obj: disk on fire");
+    }
 }

@@ -22,7 +22,7 @@ use crate::viewpoint;
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let interrupt = Interrupt::install();
     let region = limits::region(options.size, options.crop)?;
-    let plan = Plan::new(options)?;
+    let plan = plan(options, &interrupt)?;
     limits::check_memory(region, &plan, plan.needs_tests() || options.stats.is_some())?;
     limit_threads(options.threads)?;
 
@@ -46,30 +46,41 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     };
     plan.write(&results, &interrupt, options.quiet)?;
 
-    let report = tracer.report();
-    let seconds = Seconds {
-        load: load_seconds,
-        flatten: report.flatten_seconds,
-        build: report.build_seconds,
-        upload: report.upload_seconds,
-        kernel: taken.rendering.kernel_seconds,
-        render: taken.seconds,
-        save: saving.elapsed().as_secs_f64(),
-    };
-    let statistics = Statistics {
+    let mut statistics = statistics(&shot, &device, &loaded, &taken);
+    statistics.seconds.load = load_seconds;
+    statistics.seconds.save = saving.elapsed().as_secs_f64();
+    conclude(options, &plan, &statistics, start.elapsed().as_secs_f64())
+}
+
+fn plan(options: &RenderOptions, interrupt: &Interrupt) -> anyhow::Result<Plan> {
+    // Trying whether files can be written makes some for a moment.
+    let _held = interrupt.hold();
+    Plan::new(options)
+}
+
+/// All that the tracer tells of a picture.
+fn statistics(shot: &Shot, device: &Device, loaded: &Loaded, taken: &Taken) -> Statistics {
+    let (report, rendering) = (shot.tracer.report(), &taken.rendering);
+    Statistics {
         device: device.description(),
-        accel: options.accel.to_string(),
-        size: region,
-        spp: options.spp,
+        accel: shot.options.accel.to_string(),
+        size: [rendering.picture.width, rendering.picture.height],
+        spp: shot.options.spp,
         scene: SceneCounts::new(&loaded.scene, report),
         tree: (&report.tree).into(),
         device_bytes: report.device_bytes,
-        seconds,
-        launches: taken.rendering.launches,
-        non_finite: taken.rendering.non_finite,
-        tests: TestCounts::new(taken.counted(), taken.rendering.kernel_seconds),
-    };
-    conclude(options, &plan, &statistics, start.elapsed().as_secs_f64())
+        seconds: Seconds {
+            flatten: report.flatten_seconds,
+            build: report.build_seconds,
+            upload: report.upload_seconds,
+            kernel: rendering.kernel_seconds,
+            render: taken.seconds,
+            ..Seconds::default()
+        },
+        launches: rendering.launches,
+        non_finite: rendering.non_finite,
+        tests: TestCounts::new(taken.counted(), rendering.kernel_seconds),
+    }
 }
 
 /// The scene of a file, or the built-in one.
@@ -91,6 +102,13 @@ fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: 
         return;
     }
     say::warnings(&loaded.warnings);
+    let dropped = tracer.report().dropped;
+    if dropped.without_area > 0 {
+        say::line(&format!("warning: triangles without area, {} of them, are dropped", dropped.without_area));
+    }
+    if dropped.not_finite > 0 {
+        say::line(&format!("warning: triangles that are not finite, {} of them, are dropped", dropped.not_finite));
+    }
     for note in &tracer.report().notes {
         say::line(&format!("note: {note}"));
     }

@@ -74,7 +74,7 @@ pub struct Tree {
     pub depth: u64,
     /// Most triangles in a leaf.
     pub largest_leaf: u64,
-    /// Expected cost of a ray by the surface area heuristic.
+    /// Expected cost of a ray by the surface area heuristic, in the units of `accel::TreeStats`.
     pub sah_cost: f64,
     /// Bytes.
     pub bytes: u64,
@@ -95,7 +95,7 @@ pub struct Seconds {
     pub kernel: f64,
     /// The picture, with everything around the kernels.
     pub render: f64,
-    /// Layers, encoding and writing; unknown where statistics are printed before.
+    /// Layers, encoding and writing.
     pub save: f64,
 }
 
@@ -140,7 +140,7 @@ impl From<&TreeStats> for Tree {
             references: stats.references as u64,
             depth: stats.depth as u64,
             largest_leaf: stats.largest_leaf as u64,
-            sah_cost: f64::from(stats.sah_cost),
+            sah_cost: stats.sah_cost,
             bytes: stats.bytes as u64,
         }
     }
@@ -206,6 +206,7 @@ impl Statistics {
             ("build", seconds.build),
             ("upload", seconds.upload),
             ("render", seconds.render),
+            ("save", seconds.save),
         ];
         for (name, time) in stages {
             table.row(name, say::seconds(time));

@@ -23,7 +23,7 @@ pub struct Complaint {
 impl Complaint {
     /// Without advice.
     pub fn new(at: usize, read: impl Into<String>, expected: impl Into<String>) -> Self {
-        Self { at, read: read.into(), expected: expected.into(), help: DOCUMENTATION.to_owned() }
+        Self { at, read: short(read.into()), expected: short(expected.into()), help: DOCUMENTATION.to_owned() }
     }
 
     /// A name that means nothing, with the nearest that does.
@@ -52,7 +52,7 @@ impl Complaint {
 
     fn suggest(&mut self, name: &str, known: &[&str]) {
         if let Some(nearest) = nearest(name, known) {
-            self.help = format!("Did you mean '{nearest}'? {DOCUMENTATION}");
+            self.help = format!("Did you mean '{}'? {DOCUMENTATION}", short(nearest.to_owned()));
         }
     }
 
@@ -68,6 +68,20 @@ impl Complaint {
             expected: self.expected,
             help: self.help,
         }
+    }
+}
+
+/// Longest quote of a file, in characters.
+const LONGEST: usize = 400;
+
+/// A phrase on one line and of bounded length, whatever the file says.
+fn short(phrase: String) -> String {
+    let mut characters = phrase.chars().map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c });
+    let shown: String = characters.by_ref().take(LONGEST).collect();
+    if characters.next().is_some() {
+        shown + "..."
+    } else {
+        shown
     }
 }
 

@@ -8,6 +8,9 @@ use super::{Failure, Group, Reader};
 use crate::scene::load;
 use crate::scene::{normals, Instance, Material, Mesh, Scene, Transform};
 
+/// In bytes; no system has longer ones by much.
+const LONGEST_NAME: usize = 1024;
+
 impl Reader<'_> {
     /// Reads a mesh, or all that is in a file, into the scene. Nothing is placed yet.
     pub(super) fn mesh(&mut self, entry: &Spanned<file::Mesh>) -> Result<Group, Failure> {
@@ -15,7 +18,7 @@ impl Reader<'_> {
         let entry = entry.get_ref();
         let material = entry.material.as_ref().map(|name| self.material_index(name)).transpose()?;
         let read = match (&entry.file, &entry.vertices) {
-            (Some(file), None) => self.from_file(entry, file)?,
+            (Some(file), None) => self.named_file(entry, file)?,
             (None, Some(_)) => self.written_out(entry, at)?,
             (None, None) => {
                 return Err(Complaint::new(at, "a mesh without geometry", "file, or vertices and faces").into())
@@ -27,10 +30,14 @@ impl Reader<'_> {
         Ok(self.adopt(read, material))
     }
 
-    fn from_file(&mut self, entry: &file::Mesh, file: &file::Name) -> Result<Scene, Failure> {
+    fn named_file(&mut self, entry: &file::Mesh, file: &file::Name) -> Result<Scene, Failure> {
         if !entry.faces.is_empty() || !entry.uvs.is_empty() {
             let read = "faces or uvs beside a file";
             return Err(Complaint::new(file.span().start, read, "them with vertices alone").into());
+        }
+        if file.get_ref().len() > LONGEST_NAME {
+            let read = format!("a file name of {} bytes", file.get_ref().len());
+            return Err(Complaint::new(file.span().start, read, format!("at most {LONGEST_NAME}")).into());
         }
         let path = self.base.join(file.get_ref());
         self.sources.count_use(&path)?;
@@ -142,9 +149,10 @@ fn give_normals(mesh: &mut Mesh, entry: &file::Mesh, at: usize) -> Result<(), Co
 
 /// The unit vector of a normal; a zero one stays, and means flat.
 fn unit(normal: [f32; 3]) -> [f32; 3] {
-    let length = normal.iter().map(|x| x * x).sum::<f32>().sqrt();
+    let normal = normal.map(f64::from);
+    let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
     if length > 0.0 {
-        normal.map(|x| x / length)
+        normal.map(|x| (x / length) as f32)
     } else {
         [0.0; 3]
     }

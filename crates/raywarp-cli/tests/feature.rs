@@ -1,0 +1,205 @@
+//! What the program does when all is well: pictures are what was asked for.
+
+mod common;
+
+use std::io::Read;
+use std::path::Path;
+use std::process::Stdio;
+
+use common::{png, Place, SCENE};
+
+fn place() -> Place {
+    let place = Place::new();
+    place.write("scene.toml", SCENE);
+    place
+}
+
+/// Channel names of an EXR, and the samples of one of them as numbers.
+fn exr_channel(path: &Path, wanted: &str) -> (Vec<String>, Vec<f64>) {
+    use exr::prelude::*;
+    let image = read_first_flat_layer_from_file(path).unwrap();
+    let channels = image.layer_data.channel_data.list;
+    let names = channels.iter().map(|channel| channel.name.to_string()).collect();
+    let found = channels.iter().find(|channel| channel.name.eq(wanted)).unwrap();
+    let samples = match &found.sample_data {
+        FlatSamples::F32(samples) => samples.iter().map(|&sample| f64::from(sample)).collect(),
+        FlatSamples::U32(samples) => samples.iter().map(|&sample| f64::from(sample)).collect(),
+        FlatSamples::F16(samples) => samples.iter().map(|sample| sample.to_f64()).collect(),
+    };
+    (names, samples)
+}
+
+#[test]
+fn a_picture_has_its_size_its_background_and_its_triangle() {
+    let place = place();
+    let run = place.render(&["scene.toml", "-o", "a.png", "--size", "40x30"]).says("a.png: 40x30 pixels on CPU");
+    assert!(run.out().is_empty());
+    let (width, height, pixels) = png(&place.path("a.png"));
+    assert_eq!((width, height), (40, 30));
+    // Linear 0.25, 0.5, 0.125 and 0.5, 0, 0 in sRGB.
+    assert_eq!((pixels[0], pixels[15 * 40 + 20]), ([137, 188, 99], [188, 0, 0]));
+    assert_eq!(place.names(), ["a.png", "scene.toml"]);
+}
+
+#[test]
+fn the_order_of_options_does_not_matter() {
+    let place = place();
+    place.render(&["scene.toml", "--size", "16x16", "--spp", "3", "-o", "a.png"]).succeeds();
+    place.run(&["render", "-o", "b.png", "--spp=3", "--device=cpu", "--size=16x16", "scene.toml"]).succeeds();
+    assert_eq!(png(&place.path("a.png")), png(&place.path("b.png")));
+}
+
+#[test]
+fn a_crop_is_a_part_of_the_whole() {
+    let place = place();
+    let common = ["scene.toml", "--size", "32x24", "--spp", "4"];
+    place.render(&[&common as &[&str], &["-o", "all.png"]].concat()).succeeds();
+    place.render(&[&common as &[&str], &["-o", "part.png", "--crop", "8,6,24,18"]].concat()).succeeds();
+    let ((_, _, all), (width, height, part)) = (png(&place.path("all.png")), png(&place.path("part.png")));
+    assert_eq!((width, height), (16, 12));
+    for (row, pixels) in part.chunks(16).enumerate() {
+        let start = (row + 6) * 32 + 8;
+        assert_eq!(pixels, &all[start..start + 16]);
+    }
+}
+
+#[test]
+fn cameras_are_chosen_by_name_and_by_number() {
+    let place = place();
+    for (camera, sees) in [("near", true), ("away", false), ("0", true), ("1", false)] {
+        place.render(&["scene.toml", "--size", "9x9", "--camera", camera]).succeeds();
+        let (_, _, pixels) = png(&place.path("raywarp.png"));
+        assert_eq!(pixels[40] == [188, 0, 0], sees, "{camera}");
+    }
+    place.render(&["scene.toml", "--size", "9x9", "--camera", "away", "--target", "0,0,-1"]).succeeds();
+    assert_eq!(png(&place.path("raywarp.png")).2[40], [188, 0, 0]);
+}
+
+#[test]
+fn exposure_doubles_what_png_shows_and_leaves_exr_alone() {
+    let place = place();
+    let common = ["scene.toml", "--size", "4x4", "--camera", "away"];
+    let stop = ["--exposure", "-1", "-o", "b.png", "-o", "b.exr"];
+    place.render(&[&common as &[&str], &["-o", "a.png", "-o", "a.exr"]].concat()).succeeds();
+    place.render(&[&common as &[&str], &stop].concat()).succeeds();
+    // Linear 0.125, 0.25, 0.0625.
+    assert_eq!((png(&place.path("a.png")).2[0], png(&place.path("b.png")).2[0]), ([137, 188, 99], [99, 137, 71]));
+    for name in ["a.exr", "b.exr"] {
+        assert_eq!(exr_channel(&place.path(name), "G").1, [0.5; 16]);
+    }
+}
+
+#[test]
+fn layers_are_channels_of_an_exr_and_pictures_beside_a_png() {
+    let place = place();
+    let all = "depth,normal,albedo,uv,position,primitive,material,tests";
+    place.render(&["scene.toml", "--size", "9x9", "-o", "a.exr", "-o", "b.png", "--aov", all]).says("white is");
+    let (names, depth) = exr_channel(&place.path("a.exr"), "depth.Z");
+    for name in ["R", "A", "normal.X", "albedo.G", "uv.U", "position.Y", "primitive.ID", "material.ID", "tests.nodes"] {
+        assert!(names.iter().any(|known| known == name), "{name} is not in {names:?}");
+    }
+    assert!((depth[40] - 4.0).abs() < 1e-5 && depth[0].is_infinite());
+    let (_, ids) = exr_channel(&place.path("a.exr"), "primitive.ID");
+    assert_eq!((ids[40], ids[0]), (0.0, f64::from(u32::MAX)));
+    assert_eq!(exr_channel(&place.path("a.exr"), "A").1[40], 1.0);
+    for layer in all.split(',') {
+        assert_eq!(png(&place.path(&format!("b.{layer}.png"))).0, 9, "{layer}");
+    }
+}
+
+#[test]
+fn a_heat_map_comes_with_its_scale() {
+    let place = place();
+    let run = place.render(&["scene.toml", "--size", "64x64", "--heatmap", "h.png", "--heatmap-max", "50"]);
+    run.says("the brightest is 50; mean ");
+    let (width, height, _) = png(&place.path("h.png"));
+    assert!(width == 64 && height > 64);
+}
+
+#[test]
+fn every_structure_and_thread_count_gives_the_same_picture() {
+    let place = Place::new();
+    let render = |name: &str, arguments: &[&str]| {
+        place.render(&[&["--size", "24x14", "-o", name], arguments].concat()).succeeds();
+        png(&place.path(name))
+    };
+    let picture = render("a.png", &[]);
+    for accel in ["brute", "kd", "bvh"] {
+        assert_eq!(render("b.png", &["--accel", accel, "--threads", "1"]), picture, "{accel}");
+    }
+}
+
+#[test]
+fn statistics_are_a_table_or_json() {
+    let place = place();
+    place.render(&["scene.toml", "--size", "8x8", "--stats"]).says("tests a ray");
+    let run = place.render(&["scene.toml", "--size", "8x8", "--stats=json", "--quiet"]).succeeds();
+    assert!(run.err().is_empty(), "{}", run.err());
+    let json: serde_json::Value = serde_json::from_str(&run.out()).unwrap();
+    assert_eq!((json["size"][0].as_u64(), json["scene"]["triangles"].as_u64()), (Some(8), Some(1)));
+    assert!(json["tests"]["rays"].as_u64() >= Some(64) && json["seconds"]["kernel"].as_f64() > Some(0.0));
+    assert_eq!(json["accel"], "bvh");
+}
+
+#[test]
+fn standard_output_takes_a_png_and_nothing_else() {
+    let place = place();
+    let run = place.render(&["scene.toml", "--size", "8x8", "-o", "-"]).says("standard output: 8x8");
+    assert!(run.0.stdout.starts_with(b"\x89PNG") && run.0.stdout.ends_with(b"IEND\xaeB`\x82"));
+    assert_eq!(place.names(), ["scene.toml"]);
+}
+
+#[test]
+fn a_reader_that_goes_is_no_failure() {
+    let place = place();
+    let long = ["render", "--device", "cpu", "scene.toml", "--size", "900x900", "-o", "-", "--aov="];
+    for arguments in [&long[..8], &["completions", "bash"], &["info"]] {
+        let mut child = place.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let mut said = String::new();
+        child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(0), "{arguments:?}: {said}");
+        assert!(!said.contains("error"), "{said}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_ends_with_130_and_leaves_no_picture() {
+    let place = Place::new();
+    let arguments = ["render", "--device", "cpu", "--spp", "20000", "-o", "a.png", "-o", "b.exr"];
+    let mut child = place.command(&arguments).stderr(Stdio::null()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(place.names().is_empty(), "{:?}", place.names());
+}
+
+#[test]
+fn info_says_what_is_in_a_scene() {
+    let place = place();
+    let text = place.run(&["info", "scene.toml"]).succeeds().out();
+    for part in ["triangles       1 (0 dropped)", "2: 'near', 'away'", "red", "tree kd", "tree bvh"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let json: serde_json::Value = serde_json::from_str(&place.run(&["info", "--json"]).succeeds().out()).unwrap();
+    assert_eq!(json["scene"]["triangles"], 14_852);
+    assert_eq!(json["trees"].as_array().map(Vec::len), Some(3));
+}
+
+#[test]
+fn the_doctor_says_what_there_is_and_ends_by_it() {
+    let run = Place::new().run(&["doctor"]);
+    assert!(run.out().contains("kernels ") && run.out().contains("CPU"), "{}", run.out());
+    match run.code() {
+        0 => assert!(run.out().contains("All is well")),
+        3 => assert!(run.out().contains("the CPU works") && run.err().starts_with("error: ")),
+        code => panic!("{code}"),
+    }
+}
+
+#[test]
+fn quiet_says_nothing() {
+    let run = place().render(&["scene.toml", "--size", "8x8", "-q"]).succeeds();
+    assert!(run.out().is_empty() && run.err().is_empty());
+}

@@ -1,0 +1,49 @@
+//! The help, word by word; completions and manual pages from the same definitions.
+
+mod common;
+
+use common::Place;
+
+fn help(arguments: &[&str]) -> String {
+    Place::new().run(arguments).succeeds().out()
+}
+
+#[test]
+fn the_help_reads_as_it_should() {
+    insta::assert_snapshot!("raywarp", help(&["--help"]));
+    insta::assert_snapshot!("render", help(&["render", "--help"]));
+    insta::assert_snapshot!("info", help(&["info", "--help"]));
+    insta::assert_snapshot!("doctor", help(&["doctor", "--help"]));
+    insta::assert_snapshot!("completions", help(&["completions", "--help"]));
+    insta::assert_snapshot!("man", help(&["man", "--help"]));
+}
+
+#[test]
+fn short_and_long_help_are_the_same() {
+    assert_eq!(help(&["render", "-h"]), help(&["render", "--help"]));
+}
+
+#[test]
+fn every_shell_gets_completions_for_every_option() {
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = help(&["completions", shell]);
+        assert!(script.contains("max-depth") && script.contains("heatmap"), "{shell}");
+    }
+}
+
+#[test]
+fn manual_pages_are_written_for_every_command() {
+    let place = Place::new();
+    assert!(place.run(&["man"]).succeeds().out().contains(".TH raywarp 1"));
+    place.run(&["man", "pages"]).succeeds();
+    for name in ["raywarp.1", "raywarp-render.1", "raywarp-info.1", "raywarp-doctor.1"] {
+        assert!(place.path("pages").join(name).is_file(), "{name}");
+    }
+    place.write("file", "");
+    place.run(&["man", "file/pages"]).fails(2, "cannot write manual pages into file/pages");
+}
+
+#[test]
+fn the_version_is_that_of_the_package() {
+    assert_eq!(help(&["--version"]), format!("raywarp {}\n", env!("CARGO_PKG_VERSION")));
+}
