@@ -75,6 +75,9 @@ impl Node {
 }
 
 /// The tree. Node 0 is the root; there always is one.
+///
+/// A triangle is in every leaf whose cell its bounds touch, where the bounds leave a margin as in
+/// [`bvh2::Node`](super::bvh2::Node).
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct KdTree {
@@ -84,7 +87,7 @@ pub struct KdTree {
     pub references: View<u32>,
     /// In the order of the scene.
     pub triangles: View<Triangle>,
-    /// Low corner of the bounds of all triangles.
+    /// Low corner of the bounds of all triangles, margin included.
     pub low: Vec3,
     /// High corner.
     pub high: Vec3,
