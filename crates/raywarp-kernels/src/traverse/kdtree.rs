@@ -150,13 +150,16 @@ impl Structure for KdTree {
                     return;
                 }
             }
-            // Early exit: what waits on the stack lies behind this cell, so a hit inside it is the nearest.
-            match stack.pop() {
-                Some(cell) if later(t_far) >= cell.first => {
-                    (index, first, last) = (cell.node, cell.first, cell.last)
+            // What begins behind the nearest hit is dropped, cell by cell: most of the stack lies further back, but cells
+            // overlap where their distances are uncertain, so one that is too far says nothing about the next.
+            let reach = later(t_far);
+            (index, first, last) = loop {
+                match stack.pop() {
+                    Some(cell) if cell.first <= reach => break (cell.node, cell.first, cell.last),
+                    Some(_) => {}
+                    None => return,
                 }
-                _ => return,
-            }
+            };
         }
     }
 }
