@@ -4,7 +4,7 @@ use raywarp::accel::AccelKind;
 use raywarp::query::RayCaster;
 use raywarp::{Hit, Ray, Triangle, Vec3};
 
-use crate::{device, reference, scene, triangles, Random};
+use crate::{device, reference, scaled, scene, triangles, Random};
 
 /// Rays of every sort: through the scene, axis-parallel, from surfaces, with limits, without a meaning.
 fn rays(triangles: &[Triangle], count: usize, random: &mut Random) -> Vec<Ray> {
@@ -45,6 +45,7 @@ fn bits(hit: &Hit) -> [u32; 4] {
 /// Every structure on the device under test against brute force on the CPU: the same bits for all of `count` rays,
 /// but for hits that tie.
 fn check(name: &str, triangles: &[Triangle], count: usize) {
+    let count = scaled(count);
     let rays = rays(triangles, count, &mut Random(7));
     let oracle = RayCaster::new(triangles.to_vec(), AccelKind::Brute, &reference()).unwrap();
     let expected = oracle.closest(&rays).unwrap();
@@ -67,12 +68,12 @@ fn check(name: &str, triangles: &[Triangle], count: usize) {
 
 #[test]
 fn random_triangles() {
-    check("soup", &soup(&mut Random(1)), 100_000);
+    check("soup", &soup(&mut Random(1)), 200_000);
 }
 
 #[test]
 fn a_mesh() {
-    check("suzanne", &triangles(&scene("built-in")), 10_000);
+    check("suzanne", &triangles(&scene("built-in")), 40_000);
 }
 
 #[test]
@@ -82,7 +83,7 @@ fn large_axis_aligned_triangles() {
         let scale = |v: Vec3| v * 0.01;
         *wall = Triangle::new(scale(wall.v0), scale(wall.v1), scale(wall.v2), wall.primitive, 0);
     }
-    check("cornell", &walls, 100_000);
+    check("cornell", &walls, 400_000);
 }
 
 #[test]
@@ -100,7 +101,7 @@ fn no_triangles_and_no_rays() {
 #[test]
 fn two_machines_give_the_same_bits() {
     let triangles = triangles(&scene("built-in"));
-    let rays = rays(&triangles, 1_000_000, &mut Random(3));
+    let rays = rays(&triangles, scaled(1_000_000), &mut Random(3));
     for kind in [AccelKind::Kd, AccelKind::Bvh] {
         let [a, b] = [reference(), device()]
             .map(|device| RayCaster::new(triangles.clone(), kind, &device).unwrap().closest(&rays).unwrap());

@@ -1,7 +1,7 @@
 //! A device against the CPU: the same hits, the same pictures, to the bit.
 //!
 //! `RAYWARP_TEST_DEVICE` names the device under test (`cuda`, `cuda:1`, ...); without it the CPU's structures are held
-//! against brute force, so that the checks mean something everywhere. `RAYWARP_TEST_SCENES` names the folder of scenes
+//! against brute force, so that the checks mean something everywhere. `RAYWARP_SCENES` names the folder of scenes
 //! where the tests run without the sources.
 
 mod hits;
@@ -22,6 +22,15 @@ fn device() -> Device {
     Device::open(choice).expect("the device under test opens")
 }
 
+/// How much to try: on a GPU that much, a tenth on a CPU, which takes longer and proves less.
+fn scaled(count: usize) -> usize {
+    if device().is_cuda() {
+        count
+    } else {
+        count / 10
+    }
+}
+
 /// The device that is believed.
 fn reference() -> Device {
     Device::open(DeviceChoice::Cpu).expect("there always is a CPU")
@@ -32,7 +41,7 @@ fn scene(path: &str) -> Scene {
     if path == "built-in" {
         return builtin().expect("the built-in scene loads").scene;
     }
-    let folder = std::env::var_os("RAYWARP_TEST_SCENES")
+    let folder = std::env::var_os("RAYWARP_SCENES")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes"), PathBuf::from);
     load(&folder.join(path), &LoadOptions::default()).expect("the scene loads").scene
 }
