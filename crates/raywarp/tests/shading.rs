@@ -1,0 +1,265 @@
+//! Shading against formulas: what a pixel must be where the geometry is simple enough to say.
+
+use raywarp::accel::AccelKind;
+use raywarp::backend::{Device, DeviceChoice};
+use raywarp::render::{RenderOptions, Tracer};
+use raywarp::scene::{
+    AlphaMode, Background, Camera, Instance, Light, LightKind, Material, Mesh, Projection, Scene, Transform,
+};
+
+/// A camera above the origin that looks straight down on y = 0, with x to the right.
+fn camera_above(height: f32, target: [f32; 3]) -> Camera {
+    Camera {
+        name: "above".into(),
+        eye: [0.0, height, 0.0],
+        target,
+        up: [0.0, 0.0, -1.0],
+        projection: Projection::Perspective { fov_y: 0.02 },
+    }
+}
+
+/// A square of half width `half` at height `y`, seen from above on its outside.
+fn square(y: f32, half: f32, material: u32) -> Mesh {
+    Mesh {
+        name: format!("square at {y}"),
+        positions: vec![[-half, y, -half], [-half, y, half], [half, y, half], [half, y, -half]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        materials: vec![material; 2],
+        ..Mesh::default()
+    }
+}
+
+fn matt(diffuse: f32) -> Material {
+    Material { ambient: [0.0; 3], diffuse: [diffuse; 3], ..Material::default() }
+}
+
+fn black() -> Material {
+    matt(0.0)
+}
+
+fn scene(meshes: Vec<Mesh>, materials: Vec<Material>, lights: Vec<Light>) -> Scene {
+    let place = |mesh| Instance { name: String::new(), mesh, transform: Transform::IDENTITY, material: None };
+    Scene {
+        instances: (0..meshes.len()).map(place).collect(),
+        meshes,
+        materials,
+        // The renderer would light a scene without lights by itself.
+        lights: if lights.is_empty() { vec![Light { color: [0.0; 3], ..Light::default() }] } else { lights },
+        background: Some(Background::constant([0.0; 3])),
+        ambient: Some([0.0; 3]),
+        ..Scene::default()
+    }
+}
+
+fn point(position: [f32; 3], color: f32) -> Light {
+    Light { kind: LightKind::Point { position }, color: [color; 3], ..Light::default() }
+}
+
+/// Radiance of the middle of the picture.
+fn seen(scene: &Scene, camera: &Camera, depth: u32) -> [f32; 3] {
+    let name = std::env::var("RAYWARP_TEST_DEVICE").unwrap_or_else(|_| "cpu".to_owned());
+    let device = Device::open(name.parse::<DeviceChoice>().unwrap()).unwrap();
+    let tracer = Tracer::new(scene, AccelKind::Bvh, &device).unwrap();
+    let options = RenderOptions { size: [1, 1], max_depth: depth, ..RenderOptions::default() };
+    let [r, g, b, _] = tracer.render(camera, &options, &mut |_| ()).unwrap().picture.pixels[0];
+    [r, g, b]
+}
+
+#[track_caller]
+fn assert_close(found: [f32; 3], expected: f32) {
+    assert!(found.iter().all(|c| (c - expected).abs() <= 2e-5 * expected.abs().max(0.1)), "{found:?}, not {expected}");
+}
+
+#[test]
+fn a_matt_plane_answers_by_the_cosine_and_the_falloff() {
+    for attenuation in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.5, 0.25]] {
+        let position = [3.0f32, 4.0, 0.0];
+        let light = Light { attenuation, ..point(position, 2.0) };
+        let plane = scene(vec![square(0.0, 50.0, 0)], vec![matt(0.6)], vec![light]);
+        let expected = 0.6 * 0.8 * 2.0 / (attenuation[0] + attenuation[1] * 5.0 + attenuation[2] * 25.0);
+        assert_close(seen(&plane, &camera_above(10.0, [0.0; 3]), 0), expected);
+    }
+}
+
+#[test]
+fn the_highlight_is_a_power_of_the_cosine_to_the_mirror_direction() {
+    for exponent in [1.0, 10.0, 200.0] {
+        let shiny = Material { specular: [0.5; 3], shininess: exponent, ..black() };
+        // Seen from straight above, the mirror direction is up: its cosine with the light is 10 / sqrt(101).
+        let plane = scene(vec![square(0.0, 50.0, 0)], vec![shiny], vec![point([1.0, 10.0, 0.0], 1.0)]);
+        let cosine = 10.0f64 / 101.0f64.sqrt();
+        assert_close(seen(&plane, &camera_above(10.0, [0.0; 3]), 0), 0.5 * cosine.powf(exponent as f64) as f32);
+    }
+}
+
+#[test]
+fn ambient_and_emission_add_up_and_unlit_ignores_lights() {
+    let glowing = Material { ambient: [0.5; 3], emission: [0.25; 3], ..black() };
+    let mut plane = scene(vec![square(0.0, 50.0, 0)], vec![glowing], vec![]);
+    plane.ambient = Some([0.4; 3]);
+    assert_close(seen(&plane, &camera_above(10.0, [0.0; 3]), 0), 0.45);
+    plane.materials = vec![Material { unlit: true, ..matt(0.3) }];
+    plane.lights = vec![point([0.0, 5.0, 0.0], 100.0)];
+    assert_close(seen(&plane, &camera_above(10.0, [0.0; 3]), 0), 0.3);
+}
+
+#[test]
+fn a_spot_is_full_inside_dark_outside_and_smooth_between() {
+    let spot = |x: f32| Light {
+        kind: LightKind::Spot { position: [x, 10.0, 0.0], direction: [0.0, -1.0, 0.0], inner: 0.2, outer: 0.4 },
+        ..point([0.0; 3], 1.0)
+    };
+    let brightness = |x: f32| {
+        let plane = scene(vec![square(0.0, 50.0, 0)], vec![matt(1.0)], vec![spot(x)]);
+        seen(&plane, &camera_above(10.0, [0.0; 3]), 0)
+    };
+    let cosine = |x: f32| 10.0 / (100.0 + x * x).sqrt();
+    assert_close(brightness(1.0), cosine(1.0));
+    assert_close(brightness(5.0), 0.0);
+    let x = 10.0 * 0.3f32.tan();
+    let share = (cosine(x) - 0.4f32.cos()) / (0.2f32.cos() - 0.4f32.cos());
+    assert_close(brightness(x), cosine(x) * share * share);
+}
+
+#[test]
+fn a_shadow_is_black_and_the_light_beside_it_is_not() {
+    let blocker = |at: f32| {
+        let mut blocker = square(0.0, 0.5, 0);
+        blocker.positions.iter_mut().for_each(|p| *p = [p[0] + at, 5.0, p[2]]);
+        let lights = vec![point([4.0, 10.0, 0.0], 1.0)];
+        scene(vec![square(0.0, 50.0, 0), blocker], vec![matt(1.0)], lights)
+    };
+    let camera = camera_above(4.0, [0.0; 3]);
+    let lit = 10.0 / 116.0f32.sqrt();
+    assert_close(seen(&blocker(2.0), &camera, 0), 0.0);
+    assert_close(seen(&blocker(2.6), &camera, 0), lit);
+    // Behind the light nothing casts a shadow.
+    let mut behind = blocker(2.0);
+    behind.meshes[1].positions.iter_mut().for_each(|p| *p = [p[0] + 4.0, 15.0, p[2]]);
+    assert_close(seen(&behind, &camera, 0), lit);
+}
+
+#[test]
+fn transparent_and_half_covered_surfaces_filter_shadows() {
+    let glass = Material { transmission: [0.5; 3], ..black() };
+    let veil = Material { opacity: 0.25, alpha: AlphaMode::Blend, ..black() };
+    let hole = Material { opacity: 0.25, alpha: AlphaMode::Mask(0.5), ..black() };
+    // The light stands straight above: the camera below the panes sees what falls through all of them.
+    for (panes, share) in
+        [(vec![1, 1], 0.25), (vec![2], 0.75), (vec![1, 2, 3], 0.375), (vec![3], 1.0), (vec![1, 0], 0.0)]
+    {
+        let mut meshes = vec![square(0.0, 50.0, 0)];
+        meshes.extend(panes.iter().zip(5..).map(|(&material, height)| square(height as f32, 1.0, material)));
+        let materials = vec![matt(1.0), glass.clone(), veil.clone(), hole.clone()];
+        let room = scene(meshes, materials, vec![point([0.0, 20.0, 0.0], 1.0)]);
+        assert_close(seen(&room, &camera_above(4.0, [0.0; 3]), 0), share);
+    }
+}
+
+#[test]
+fn a_mirror_shows_what_stands_at_the_mirror_angle() {
+    let mirror = Material { reflection: [0.9; 3], ..black() };
+    let lamp = Material { emission: [2.0; 3], ..black() };
+    let mut ceiling = square(10.0, 0.5, 1);
+    ceiling.positions.iter_mut().for_each(|p| p[0] += 4.0);
+    let room = scene(vec![square(0.0, 50.0, 0), ceiling], vec![mirror, lamp], vec![]);
+    // From height 10 to (2, 0, 0), up to (4, 10, 0).
+    assert_close(seen(&room, &camera_above(10.0, [2.0, 0.0, 0.0]), 1), 1.8);
+    assert_close(seen(&room, &camera_above(10.0, [2.0, 0.0, 0.0]), 0), 0.0);
+    assert_close(seen(&room, &camera_above(10.0, [3.0, 0.0, 0.0]), 1), 0.0);
+}
+
+#[test]
+fn two_mirrors_multiply_at_every_bounce() {
+    let mirror = Material { reflection: [0.5; 3], emission: [1.0; 3], ..black() };
+    // The camera stands between them and sees each bounce add half of the one before.
+    let hall = scene(vec![square(0.0, 50.0, 0), square(20.0, 50.0, 0)], vec![mirror], vec![]);
+    for depth in 0..=16u32 {
+        let expected = 2.0 - 0.5f32.powi(depth as i32);
+        assert_close(seen(&hall, &camera_above(10.0, [0.0; 3]), depth), expected);
+    }
+}
+
+/// A sky that is 1 above and 3 below, so that what is mirrored and what is refracted can be told apart.
+fn between_skies(meshes: Vec<Mesh>, material: Material) -> Scene {
+    let mut scene = scene(meshes, vec![material], vec![]);
+    scene.background = Some(Background { zenith: [1.0; 3], horizon: [2.0; 3], ground: [3.0; 3] });
+    scene
+}
+
+#[test]
+fn fresnel_shares_out_the_light_at_normal_incidence() {
+    let glass = Material { transmission: [0.8; 3], ior: 1.5, fresnel: true, ..black() };
+    let surface = between_skies(vec![square(0.0, 50.0, 0)], glass);
+    assert_close(seen(&surface, &camera_above(10.0, [0.0; 3]), 1), 0.04 * 1.0 + 0.96 * 0.8 * 3.0);
+}
+
+#[test]
+fn refraction_bends_by_snells_law() {
+    let glass = Material { transmission: [1.0; 3], ior: 1.5, ..black() };
+    let surface = between_skies(vec![square(0.0, 50.0, 0)], glass);
+    for x in [1.0f32, 5.0, 20.0] {
+        let sine = x / (x * x + 100.0).sqrt();
+        let below = (1.0 - (sine / 1.5).powi(2)).sqrt();
+        // The sky below is linear in the sine of the elevation, which is the refracted cosine.
+        assert_close(seen(&surface, &camera_above(10.0, [x, 0.0, 0.0]), 1), 2.0 + below);
+    }
+}
+
+#[test]
+fn a_slab_shifts_the_view_and_keeps_its_direction() {
+    let glass = Material { transmission: [1.0; 3], ior: 1.5, ..black() };
+    let lamp = Material { emission: [1.0; 3], ..black() };
+    // The lower side faces down: the slab is closed as far as rays inside it can tell.
+    let mut bottom = square(-2.0, 50.0, 0);
+    bottom.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    // Towards (10, 0, 0) at 45 degrees: in the glass the ray advances 2 tan(asin(sin 45 / 1.5)) = 1.0690 and not 2.
+    let lit = |x: f32| {
+        let mut strip = square(-3.0, 0.05, 1);
+        strip.positions.iter_mut().for_each(|p| p[0] += x);
+        let slab = scene(vec![square(0.0, 50.0, 0), bottom.clone(), strip], vec![glass.clone(), lamp.clone()], vec![]);
+        seen(&slab, &camera_above(10.0, [10.0, 0.0, 0.0]), 2)
+    };
+    let inside = 2.0 * (0.5f32.sqrt() / 1.5).asin().tan();
+    assert_close(lit(10.0 + inside + 1.0), 1.0);
+    assert_close(lit(10.0 + 2.0 + 1.0), 0.0);
+}
+
+#[test]
+fn beyond_the_critical_angle_everything_is_mirrored() {
+    for fresnel in [false, true] {
+        let glass = Material { transmission: [1.0; 3], ior: 1.5, fresnel, ..black() };
+        let mut surface = between_skies(vec![square(0.0, 50.0, 0)], glass);
+        // Seen from inside the glass: the square faces away.
+        surface.meshes[0].triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        // 45 degrees is beyond asin(1 / 1.5): the upper sky at the elevation of 45 degrees.
+        let expected = 2.0 - 0.5f32.sqrt();
+        assert_close(seen(&surface, &camera_above(10.0, [10.0, 0.0, 0.0]), 1), expected);
+    }
+}
+
+#[test]
+fn partial_coverage_mixes_with_what_lies_behind() {
+    let veil = Material { opacity: 0.25, alpha: AlphaMode::Blend, emission: [1.0; 3], ..black() };
+    let wall = Material { emission: [4.0; 3], ..black() };
+    let room = scene(vec![square(0.0, 50.0, 1), square(1.0, 50.0, 0)], vec![veil, wall], vec![]);
+    assert_close(seen(&room, &camera_above(10.0, [0.0; 3]), 0), 0.25 + 0.75 * 4.0);
+}
+
+#[test]
+fn interpolated_normals_shade_a_flat_triangle_like_the_sphere() {
+    let mut mesh = square(0.0, 1.0, 0);
+    mesh.normals = mesh.positions.iter().map(|p| normalized([p[0], 1.0, p[2]])).collect();
+    let sun = Light { kind: LightKind::Directional { direction: [0.0, -1.0, 0.0] }, ..Light::default() };
+    let dome = scene(vec![mesh], vec![matt(1.0)], vec![sun]);
+    // In the middle of the edge from (-1, 1) to (1, 1) the normal is the mean of two that lean apart in x.
+    let [x, y, z] = normalized([0.0, 1.0, 1.0]);
+    assert_eq!(x, 0.0);
+    let found = seen(&dome, &camera_above(10.0, [0.0, 0.0, 0.999]), 0);
+    assert!((found[0] - y).abs() < 2e-3 && z > 0.0, "{found:?}, not {y}");
+}
+
+fn normalized([x, y, z]: [f32; 3]) -> [f32; 3] {
+    let length = (x * x + y * y + z * z).sqrt();
+    [x / length, y / length, z / length]
+}
