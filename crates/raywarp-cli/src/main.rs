@@ -1,5 +1,6 @@
 //! The program `raywarp`.
 
+mod bench;
 mod completions;
 mod doctor;
 mod failure;
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
         None => render::run(&RenderOptions::built_in()),
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Info(options)) => info::run(&options),
+        Some(Command::Bench(options)) => bench::run(&options),
         Some(Command::Doctor) => doctor::run(),
         Some(Command::Completions(options)) => completions::run(&options),
         Some(Command::Man(options)) => man::run(&options),

@@ -1,5 +1,6 @@
 //! Rays and what they hit.
 
+use crate::arch;
 use crate::math::{vec3, Vec3};
 
 /// The `primitive` of a miss.
@@ -34,19 +35,24 @@ impl Ray {
         self.direction.mul_add(t, self.origin)
     }
 
-    /// One over each component of the direction, always finite: a component too small to divide by counts as
-    /// 2^-80 of its sign, so that a plane through the origin is reached at 0 and never at NaN.
+    /// One over each component of the direction, always finite: a component too small to divide by counts as 2^-80 of
+    /// the largest, with its own sign, so that a plane through the origin is reached at 0 and never at NaN.
+    ///
+    /// Directions whose largest component is below 2^-126 come out too short.
     #[inline(always)]
     pub fn inverse_direction(&self) -> Vec3 {
         let d = self.direction;
-        vec3(finite_inverse(d.x), finite_inverse(d.y), finite_inverse(d.z))
+        let smallest = arch::max(d.max_abs() * NEGLIGIBLE, f32::MIN_POSITIVE);
+        vec3(finite_inverse(d.x, smallest), finite_inverse(d.y, smallest), finite_inverse(d.z, smallest))
     }
 }
 
+/// 2^-80.
+const NEGLIGIBLE: f32 = f32::from_bits((127 - 80) << 23);
+
 #[inline(always)]
-fn finite_inverse(x: f32) -> f32 {
-    const SMALLEST: f32 = f32::from_bits((127 - 80) << 23);
-    1.0 / if x.abs() < SMALLEST { SMALLEST.copysign(x) } else { x }
+fn finite_inverse(x: f32, smallest: f32) -> f32 {
+    1.0 / if x.abs() < smallest { smallest.copysign(x) } else { x }
 }
 
 /// Where a ray meets a triangle. A miss has `t = inf` and `primitive = `[`MISS`].

@@ -53,6 +53,9 @@ fn executable(root: &Path, words: &[&str], name: &str) -> Result<PathBuf> {
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
     command.args(words).args(["--release", "--message-format", "json-render-diagnostics"]).current_dir(root);
+    // `raywarp bench` tells it with its rows.
+    let commit = process::stdout(Command::new("git").args(["describe", "--always", "--dirty"]).current_dir(root))?;
+    command.env("RAYWARP_COMMIT", commit.trim());
     let messages = process::stdout(&mut command)?;
     let found = messages.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok()).find_map(|message| {
         let path = message["executable"].as_str().filter(|_| message["target"]["name"] == name)?;

@@ -54,8 +54,12 @@ fn compare(committed: &[Kernel], fresh: &[Kernel]) -> Result<()> {
 
 fn compare_names(committed: &[Kernel], fresh: &[Kernel]) -> Result<()> {
     let (committed, fresh) = (report::names(committed), report::names(fresh));
-    if committed != fresh {
-        bail!("committed are the kernels {committed:?}, the sources give {fresh:?}: run `cargo xtask ptx` and commit what it writes");
+    let not_in = |these: &[String], those: &[String]| -> Vec<String> {
+        these.iter().filter(|name| !those.contains(name)).cloned().collect()
+    };
+    let (missing, stale) = (not_in(&fresh, &committed), not_in(&committed, &fresh));
+    if !missing.is_empty() || !stale.is_empty() {
+        bail!("the committed PTX lacks {missing:?} and has {stale:?} too many: run `cargo xtask ptx` and commit what it writes");
     }
     Ok(())
 }

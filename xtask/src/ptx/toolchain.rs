@@ -34,6 +34,10 @@ pub struct Toolchain {
 const DEBIAN_RUST: [&str; 3] = ["rustc-web", "cargo-web", "rust-web-src"];
 const NIGHTLY: &str = "rustup toolchain install nightly -c rust-src -c llvm-tools -c llvm-bitcode-linker";
 
+/// Beginnings of the variables by which one cargo would change what another one builds.
+const LEFT_OVER: [&str; 7] =
+    ["CARGO_BUILD_", "CARGO_ENCODED_", "CARGO_PROFILE_", "CARGO_TARGET_", "RUSTC", "RUSTFLAGS", "LD_LIBRARY_PATH"];
+
 impl Toolchain {
     /// Finds a tool chain, or installs one if it may.
     pub fn find(work: &Path, kind: Option<Kind>, install: bool) -> Result<Self> {
@@ -54,9 +58,7 @@ impl Toolchain {
     pub fn cargo(&self) -> Result<Command> {
         let mut command = Command::new(&self.cargo);
         for (name, _) in env::vars_os() {
-            let text = name.to_string_lossy();
-            let ours = text.starts_with("CARGO_") && text != "CARGO_HOME" && !text.starts_with("CARGO_REGISTR");
-            if ours || text.starts_with("RUSTC") || ["RUSTFLAGS", "LD_LIBRARY_PATH"].contains(&text.as_ref()) {
+            if LEFT_OVER.iter().any(|start| name.to_string_lossy().starts_with(start)) {
                 command.env_remove(&name);
             }
         }
@@ -98,7 +100,9 @@ fn apt_get(packages: &[&str], install: bool) -> Result<()> {
         );
     }
     process::run(Command::new("apt-get").args(["update", "-q"]))?;
-    process::run(Command::new("apt-get").args(["install", "-y", "-q", "--no-install-recommends"]).args(packages))
+    let mut command = Command::new("apt-get");
+    command.env("DEBIAN_FRONTEND", "noninteractive").args(["install", "-y", "-q", "--no-install-recommends"]);
+    process::run(command.args(packages))
 }
 
 /// Debian ships the linker's source as a part of the compiler's workspace: a copy of it builds alone.

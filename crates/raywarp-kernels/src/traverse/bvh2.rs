@@ -54,7 +54,11 @@ impl Child {
 
 /// An inner node: 64 bytes, read as four 128-bit words.
 ///
-/// A child that does not exist has an inverted box (`low > high`), which no ray enters.
+/// Boxes hold what is below them with a margin of 2^-22 of each triangle's extent, and of one step of the coordinate at
+/// least: hits may lie that far beside a triangle, and a ray that runs in a face must enter.
+///
+/// A child that does not exist has an inverted box (`low > high`), which only rays whose distances overflow enter. For
+/// those its link is to some triangle all the same.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {

@@ -75,6 +75,9 @@ impl Node {
 }
 
 /// The tree. Node 0 is the root; there always is one.
+///
+/// A triangle is in every leaf whose cell its bounds touch, where the bounds leave a margin as in
+/// [`bvh2::Node`](super::bvh2::Node).
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct KdTree {
@@ -84,7 +87,7 @@ pub struct KdTree {
     pub references: View<u32>,
     /// In the order of the scene.
     pub triangles: View<Triangle>,
-    /// Low corner of the bounds of all triangles.
+    /// Low corner of the bounds of all triangles, margin included.
     pub low: Vec3,
     /// High corner.
     pub high: Vec3,
@@ -147,11 +150,16 @@ impl Structure for KdTree {
                     return;
                 }
             }
-            // Early exit: what waits on the stack lies behind this cell, so a hit inside it is the nearest.
-            match stack.pop() {
-                Some(cell) if later(t_far) >= cell.first => (index, first, last) = (cell.node, cell.first, cell.last),
-                _ => return,
-            }
+            // What begins behind the nearest hit is dropped, cell by cell: most of the stack lies further back, but cells
+            // overlap where their distances are uncertain, so one that is too far says nothing about the next.
+            let reach = later(t_far);
+            (index, first, last) = loop {
+                match stack.pop() {
+                    Some(cell) if cell.first <= reach => break (cell.node, cell.first, cell.last),
+                    Some(_) => {}
+                    None => return,
+                }
+            };
         }
     }
 }

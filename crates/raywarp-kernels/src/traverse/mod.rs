@@ -134,10 +134,33 @@ pub fn occlusion(structure: &impl Structure, ray: &Ray, counter: &mut impl Count
                     found = Occlusion::Blocked;
                     return ENOUGH;
                 }
-                found = Occlusion::Filtered;
+                // Once blocked it stays so: where `t_min` is -inf, no answer is enough to end the traversal.
+                if found == Occlusion::Clear {
+                    found = Occlusion::Filtered;
+                }
             }
         }
         ray.t_max
     });
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{vec3, Vec3};
+    use crate::view::View;
+
+    #[test]
+    fn an_opaque_triangle_blocks_whatever_comes_after_it() {
+        let triangle =
+            |z: f32, flags| Triangle::new(vec3(-1.0, -1.0, z), vec3(1.0, -1.0, z), vec3(0.0, 1.0, z), 0, flags);
+        let triangles = [triangle(1.0, 0), triangle(2.0, flags::TRANSPARENT)];
+        // SAFETY: the array outlives the view.
+        let list = Brute { triangles: unsafe { View::new(triangles.as_ptr(), 2) } };
+        for t_min in [0.0, f32::NEG_INFINITY] {
+            let ray = Ray { t_min, ..Ray::new(Vec3::ZERO, vec3(0.0, 0.0, 1.0)) };
+            assert_eq!(occlusion(&list, &ray, &mut Uncounted), Occlusion::Blocked);
+        }
+    }
 }

@@ -3,6 +3,9 @@
 use raywarp_kernels::math::Vec3;
 use raywarp_kernels::triangle::Triangle;
 
+/// What a box leaves around a triangle, in units of its extent.
+const MARGIN: f32 = 4.0 / 16_777_216.0;
+
 /// From `low` to `high`, both included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bounds {
@@ -17,11 +20,18 @@ impl Bounds {
     /// The origin alone.
     pub const POINT: Self = Self { low: [0.0; 3], high: [0.0; 3] };
 
-    /// Of the corners; a coordinate that is NaN has no say.
+    /// Around every point where a ray may be found to hit the triangle; finite, whatever the triangle.
+    ///
+    /// That is a little more than the corners: the test rounds them, by up to 2^-23 of the triangle's extent across the
+    /// ray. And it makes every box contain its faces beyond doubt, so that a ray which runs in one enters it.
     pub fn of(triangle: &Triangle) -> Self {
         let [low, high] =
             [Vec3::min, Vec3::max].map(|pick| pick(pick(triangle.v0, triangle.v1), triangle.v2).to_array());
-        Self { low, high }
+        let margin = triangle.extent * MARGIN;
+        Self {
+            low: low.map(|x| (x - margin).min(x.next_down()).max(-f32::MAX)),
+            high: high.map(|x| (x + margin).max(x.next_up()).min(f32::MAX)),
+        }
     }
 
     /// The smallest box around both.

@@ -1,0 +1,111 @@
+//! Closest hits and shadows of batches of rays.
+
+use raywarp::accel::AccelKind;
+use raywarp::query::RayCaster;
+use raywarp::{Hit, Ray, Triangle, Vec3};
+
+use crate::{device, reference, scaled, scene, triangles, Random};
+
+/// Rays of every sort: through the scene, axis-parallel, from surfaces, with limits, without a meaning.
+fn rays(triangles: &[Triangle], count: usize, random: &mut Random) -> Vec<Ray> {
+    let corner = |random: &mut Random| triangles[random.bits() as usize % triangles.len()].v0;
+    (0..count)
+        .map(|index| {
+            let target = corner(random) + random.vector() * 0.05;
+            let origin = if index % 4 == 0 { corner(random) } else { target + random.vector() * 4.0 };
+            let mut ray = Ray::new(origin, target - origin);
+            match index % 16 {
+                1 => ray.direction = Vec3::new(0.0, -1.0, 0.0),
+                2 => ray.direction = Vec3::new(0.0, ray.direction.y, ray.direction.z),
+                3 => ray.t_max = 1.0,
+                5 => ray.t_min = 0.9,
+                6 if index % 64 == 6 => ray.direction = Vec3::ZERO,
+                6 if index % 64 == 22 => ray.origin.x = f32::NAN,
+                6 if index % 64 == 38 => ray.direction.z = f32::INFINITY,
+                _ => {}
+            }
+            ray
+        })
+        .collect()
+}
+
+fn soup(random: &mut Random) -> Vec<Triangle> {
+    let triangle = |id| {
+        let centre = random.vector() * 2.0;
+        let [a, b, c] = [(); 3].map(|()| centre + random.vector() * 0.2);
+        Triangle::new(a, b, c, id, 0)
+    };
+    (0..3000).map(triangle).collect()
+}
+
+fn bits(hit: &Hit) -> [u32; 4] {
+    [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive]
+}
+
+/// Every structure on the device under test against brute force on the CPU: the same bits for all of `count` rays,
+/// but for hits that tie.
+fn check(name: &str, triangles: &[Triangle], count: usize) {
+    let count = scaled(count);
+    let rays = rays(triangles, count, &mut Random(7));
+    let oracle = RayCaster::new(triangles.to_vec(), AccelKind::Brute, &reference()).unwrap();
+    let expected = oracle.closest(&rays).unwrap();
+    assert!(expected.iter().filter(|hit| !hit.is_miss()).count() > count / 3, "{name}: the rays hit something");
+    let occluded = oracle.occluded(&rays).unwrap();
+    for kind in AccelKind::ALL {
+        let caster = RayCaster::new(triangles.to_vec(), kind, &device()).unwrap();
+        let hits = caster.closest(&rays).unwrap();
+        let differing: Vec<_> = expected.iter().zip(&hits).filter(|(a, b)| bits(a) != bits(b)).collect();
+        // Boxes and cells are left out by the exact distance of their planes, hits ordered by the rounded distance of
+        // triangles: only hits within a few units in the last place may change places.
+        for (a, b) in &differing {
+            assert!((a.t - b.t).abs() <= 4e-6 * a.t.abs(), "{name}, {kind}: {a:?} against {b:?}");
+        }
+        assert!(differing.len() <= count / 10_000, "{name}, {kind}: {} of {count} hits tie", differing.len());
+        println!("{name}, {kind}: {count} rays, {} ties", differing.len());
+        assert_eq!(caster.occluded(&rays).unwrap(), occluded, "{name}, {kind}: shadows");
+    }
+}
+
+#[test]
+fn random_triangles() {
+    check("soup", &soup(&mut Random(1)), 200_000);
+}
+
+#[test]
+fn a_mesh() {
+    check("suzanne", &triangles(&scene("built-in")), 40_000);
+}
+
+#[test]
+fn large_axis_aligned_triangles() {
+    let mut walls = triangles(&scene("cornell/cornell_box.obj"));
+    for wall in &mut walls {
+        let scale = |v: Vec3| v * 0.01;
+        *wall = Triangle::new(scale(wall.v0), scale(wall.v1), scale(wall.v2), wall.primitive, 0);
+    }
+    check("cornell", &walls, 400_000);
+}
+
+#[test]
+fn no_triangles_and_no_rays() {
+    for kind in AccelKind::ALL {
+        let empty = RayCaster::new(Vec::new(), kind, &device()).unwrap();
+        let ray = Ray::new(Vec3::ZERO, Vec3::new(0.0, 0.0, 1.0));
+        assert!(empty.closest(&[ray]).unwrap()[0].is_miss(), "{kind}");
+        assert_eq!(empty.occluded(&[ray]).unwrap(), [false], "{kind}");
+        assert!(empty.closest(&[]).unwrap().is_empty(), "{kind}");
+    }
+}
+
+/// The device and the CPU with the same structure take the same steps: every bit is the same, ties included.
+#[test]
+fn two_machines_give_the_same_bits() {
+    let triangles = triangles(&scene("built-in"));
+    let rays = rays(&triangles, scaled(1_000_000), &mut Random(3));
+    for kind in [AccelKind::Kd, AccelKind::Bvh] {
+        let [a, b] = [reference(), device()]
+            .map(|device| RayCaster::new(triangles.clone(), kind, &device).unwrap().closest(&rays).unwrap());
+        let differing = a.iter().zip(&b).filter(|(a, b)| bits(a) != bits(b)).count();
+        assert_eq!(differing, 0, "{kind}: of {} hits", rays.len());
+    }
+}
