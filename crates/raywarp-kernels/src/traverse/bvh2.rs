@@ -1,10 +1,10 @@
 //! A binary bounding volume hierarchy with both child boxes in the parent (after Aila and Laine 2009).
 
-use crate::stack::Stack;
 use super::{Counter, Structure};
 use crate::arch;
 use crate::math::{vec3, Vec3};
 use crate::ray::Ray;
+use crate::stack::Stack;
 use crate::triangle::Triangle;
 use crate::view::View;
 

@@ -1,10 +1,10 @@
 //! A k-d tree in a flat array, traversed with a stack (the paper's structure).
 
-use crate::stack::Stack;
 use super::{Counter, Structure};
 use crate::arch;
 use crate::math::Vec3;
 use crate::ray::Ray;
+use crate::stack::Stack;
 use crate::triangle::Triangle;
 use crate::view::View;
 

@@ -153,9 +153,8 @@ mod tests {
 
     #[test]
     fn an_opaque_triangle_blocks_whatever_comes_after_it() {
-        let triangle = |z: f32, flags| {
-            Triangle::new(vec3(-1.0, -1.0, z), vec3(1.0, -1.0, z), vec3(0.0, 1.0, z), 0, flags)
-        };
+        let triangle =
+            |z: f32, flags| Triangle::new(vec3(-1.0, -1.0, z), vec3(1.0, -1.0, z), vec3(0.0, 1.0, z), 0, flags);
         let triangles = [triangle(1.0, 0), triangle(2.0, flags::TRANSPARENT)];
         // SAFETY: the array outlives the view.
         let list = Brute { triangles: unsafe { View::new(triangles.as_ptr(), 2) } };
