@@ -131,3 +131,82 @@ fn empty(start: Instant) -> Bvh2 {
     let nodes = vec![alone(NOTHING, Bounds::EMPTY)];
     Bvh2 { nodes, triangles: vec![point], build_seconds: start.elapsed().as_secs_f64() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::Invalid;
+    use raywarp_kernels::math::vec3;
+
+    fn at(x: f32, size: f32, primitive: u32) -> Triangle {
+        let corner = |y, z| vec3(x, y * size, z * size);
+        Triangle::new(corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0), primitive, 0)
+    }
+
+    fn row(count: u32, position: impl Fn(u32) -> f32) -> Vec<Triangle> {
+        (0..count).map(|i| at(position(i), 1.0, i)).collect()
+    }
+
+    #[test]
+    fn every_small_count_is_a_valid_tree() {
+        for count in 0..100 {
+            let tree = build(row(count, |i| i as f32)).unwrap();
+            assert_eq!(tree.validate(), Ok(()), "{count}");
+            assert_eq!(tree.stats().references, count as usize);
+        }
+    }
+
+    #[test]
+    fn identical_triangles_are_halved() {
+        let tree = build(vec![at(0.0, 1.0, 0); 1_000_000]).unwrap();
+        assert_eq!(tree.validate(), Ok(()));
+        assert!(tree.stats().depth <= 17, "{:?}", tree.stats());
+    }
+
+    /// Each cut takes off one triangle: without a limit the tree would have as many levels as triangles.
+    #[test]
+    fn exponential_spacing_keeps_to_the_limit() {
+        let tree = build((0..4000).map(|i| at((i as f32 / 16.0 - 120.0).exp2(), 1e-36, i)).collect()).unwrap();
+        assert_eq!(tree.validate(), Ok(()));
+        assert!(tree.stats().depth > 20, "{:?}", tree.stats());
+    }
+
+    #[test]
+    fn threads_do_not_change_the_tree() {
+        let triangles = row(50_000, |i| (i as f32 * 0.618).fract());
+        let with = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| build(triangles.clone()).unwrap())
+        };
+        let (one, four) = (with(1), with(4));
+        assert!(one.nodes == four.nodes && one.triangles == four.triangles);
+    }
+
+    #[test]
+    fn flaws_are_found() {
+        let tree = build(row(100, |i| i as f32)).unwrap();
+        let broken = |change: fn(&mut Bvh2)| {
+            let mut tree = tree.clone();
+            change(&mut tree);
+            tree.validate().unwrap_err()
+        };
+        assert_eq!(broken(|tree| tree.nodes.clear()), Invalid::NoRoot);
+        assert_eq!(broken(|tree| tree.nodes[0].children[0] = Child::node(0)), Invalid::Reached { node: 0 });
+        assert!(matches!(broken(|tree| tree.nodes[0].children[1] = Child::node(999)), Invalid::OutOfRange { .. }));
+        assert!(matches!(broken(|tree| tree.nodes[0].children[1] = Child::leaf(98, 3)), Invalid::OutOfRange { .. }));
+        assert!(matches!(broken(|tree| tree.nodes[0].children[1] = Child::leaf(0, 1)), Invalid::Outside { node: 0 }));
+        assert_eq!(broken(|tree| tree.nodes[0].high[1].x -= 1.0), Invalid::Outside { node: 0 });
+        assert!(matches!(broken(|tree| tree.nodes.push(tree.nodes[0])), Invalid::Unreached { .. }));
+        assert!(matches!(broken(|tree| tree.triangles.push(at(0.0, 1.0, 0))), Invalid::Leaves { leaves: 0, .. }));
+    }
+
+    #[test]
+    fn a_chain_that_overflows_the_stack_is_found() {
+        let triangles = row(100, |_| 0.0);
+        let bounds = Bounds::of(&triangles[0]);
+        let link = |i: u32| [Child::leaf(i, 1), if i < 98 { Child::node(i + 1) } else { Child::leaf(99, 1) }];
+        let nodes = (0..99).map(|i| Node { children: link(i), ..node(&[bounds; 2]) }).collect();
+        let flaw = Bvh2::from_parts(nodes, triangles).unwrap_err();
+        assert_eq!(flaw, Invalid::TooDeep { node: MAX_DEPTH as u32, limit: MAX_DEPTH });
+    }
+}

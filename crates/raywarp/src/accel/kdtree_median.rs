@@ -149,3 +149,71 @@ struct Cut {
     below: Vec<u32>,
     above: Vec<u32>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::Invalid;
+    use raywarp_kernels::math::vec3;
+
+    fn at(x: f32, size: f32, primitive: u32) -> Triangle {
+        let corner = |y, z| vec3(x, y * size, z * size);
+        Triangle::new(corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0), primitive, 0)
+    }
+
+    #[test]
+    fn every_small_count_is_a_valid_tree() {
+        for count in 0..100 {
+            let tree = build((0..count).map(|i| at(i as f32, 1.0, i)).collect()).unwrap();
+            assert_eq!(tree.validate(), Ok(()), "{count}");
+        }
+    }
+
+    /// Flat cells are cut on the axis that helps, identical triangles on none.
+    #[test]
+    fn a_cut_that_separates_nothing_is_not_made() {
+        let floor = build((0..1000).map(|i| at(i as f32, 1.0, i)).collect()).unwrap().stats();
+        assert!(floor.largest_leaf <= LEAF, "{floor:?}");
+        let same = build(vec![at(0.0, 1.0, 0); 1000]).unwrap().stats();
+        assert_eq!((same.nodes, same.largest_leaf), (1, 1000));
+    }
+
+    /// Concentric triangles are all cut by nearly every plane.
+    #[test]
+    fn copies_keep_to_the_budget() {
+        let triangles: Vec<_> = (1..3000).map(|i| at(i as f32 * 1e-3, i as f32, i)).collect();
+        let tree = build(triangles.clone()).unwrap();
+        assert_eq!(tree.validate(), Ok(()));
+        assert!(tree.references.len() <= COPIES * triangles.len());
+    }
+
+    #[test]
+    fn threads_do_not_change_the_tree() {
+        let triangles: Vec<_> =
+            (0..20_000).map(|i| at((i as f32 * 0.618).fract(), (i as f32 * 0.1).fract(), i)).collect();
+        let with = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| build(triangles.clone()).unwrap())
+        };
+        let (one, four) = (with(1), with(4));
+        assert!(one.nodes == four.nodes && one.references == four.references);
+    }
+
+    #[test]
+    fn flaws_are_found() {
+        let tree = build((0..100).map(|i| at(i as f32, 1.0, i)).collect()).unwrap();
+        let broken = |change: fn(&mut KdTree)| {
+            let mut tree = tree.clone();
+            change(&mut tree);
+            tree.validate().unwrap_err()
+        };
+        assert_eq!(broken(|tree| tree.nodes.clear()), Invalid::NoRoot);
+        assert_eq!(broken(|tree| tree.nodes[0] = Node::inner(0, 50.0, 0)), Invalid::Reached { node: 0 });
+        assert!(matches!(broken(|tree| tree.nodes[0] = Node::inner(0, 0.0, 9999)), Invalid::OutOfRange { .. }));
+        assert!(matches!(broken(|tree| tree.references.truncate(5)), Invalid::OutOfRange { .. }));
+        assert!(matches!(broken(|tree| tree.references[0] = 100), Invalid::OutOfRange { what: "triangle", .. }));
+        assert!(matches!(broken(|tree| tree.references[0] = tree.references[1]), Invalid::NotReferred { .. }));
+        assert!(matches!(broken(|tree| tree.nodes.push(tree.nodes[0])), Invalid::Unreached { .. }));
+        assert_eq!(broken(|tree| tree.high.x = 98.0), Invalid::Outside { node: 0 });
+    }
+}
