@@ -116,7 +116,7 @@ impl Scene {
     }
 
     /// The point that a ray hit.
-    #[inline]
+    #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &Hit, material: &Material) -> Surface {
         let corners = self.corners(hit);
         let [p0, p1, p2] = corners.vertices.map(|vertex| self.positions.at(vertex));

@@ -1,6 +1,6 @@
 //! Every triangle, for every ray: the paper's first version, and the oracle of all others.
 
-use super::{Counter, Structure};
+use super::{Counter, Structure, Visitor};
 use crate::ray::Ray;
 use crate::triangle::Triangle;
 use crate::view::View;
@@ -15,10 +15,10 @@ pub struct Brute {
 
 impl Structure for Brute {
     #[inline(always)]
-    fn traverse(&self, ray: &Ray, counter: &mut impl Counter, mut visit: impl FnMut(&Triangle) -> f32) {
+    fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         for index in 0..self.triangles.len() {
             counter.triangle();
-            if visit(&self.triangles.load(index)) < ray.t_min {
+            if visitor.visit(&self.triangles.load(index)) < ray.t_min {
                 return;
             }
         }

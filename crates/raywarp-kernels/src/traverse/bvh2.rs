@@ -1,6 +1,6 @@
 //! A binary bounding volume hierarchy with both child boxes in the parent (after Aila and Laine 2009).
 
-use super::{Counter, Structure};
+use super::{Counter, Structure, Visitor};
 use crate::arch;
 use crate::math::{vec3, Vec3};
 use crate::ray::Ray;
@@ -84,7 +84,7 @@ pub struct Bvh2 {
 
 impl Structure for Bvh2 {
     #[inline(always)]
-    fn traverse(&self, ray: &Ray, counter: &mut impl Counter, mut visit: impl FnMut(&Triangle) -> f32) {
+    fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         let slabs = Slabs::new(ray);
         let mut stack = Stack::<Child, MAX_DEPTH>::new();
         let mut t_far = ray.t_max;
@@ -113,7 +113,7 @@ impl Structure for Bvh2 {
             }
             for index in next.index()..next.index() + next.count() {
                 counter.triangle();
-                t_far = visit(&self.triangles.load(index));
+                t_far = visitor.visit(&self.triangles.load(index));
                 if t_far < ray.t_min {
                     return;
                 }

@@ -1,6 +1,6 @@
 //! A k-d tree in a flat array, traversed with a stack (the paper's structure).
 
-use super::{Counter, Structure};
+use super::{Counter, Structure, Visitor};
 use crate::arch;
 use crate::math::Vec3;
 use crate::ray::Ray;
@@ -116,7 +116,7 @@ fn later(t: f32) -> f32 {
 
 impl Structure for KdTree {
     #[inline(always)]
-    fn traverse(&self, ray: &Ray, counter: &mut impl Counter, mut visit: impl FnMut(&Triangle) -> f32) {
+    fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         let inverse = ray.inverse_direction();
         let Some((mut first, mut last)) = self.clip(ray, inverse) else { return };
         let mut stack = Stack::<Cell, MAX_DEPTH>::new();
@@ -145,7 +145,7 @@ impl Structure for KdTree {
             }
             for reference in node.first()..node.first() + node.count() {
                 counter.triangle();
-                t_far = visit(&self.triangles.load(self.references.at(reference)));
+                t_far = visitor.visit(&self.triangles.load(self.references.at(reference)));
                 if t_far < ray.t_min {
                     return;
                 }

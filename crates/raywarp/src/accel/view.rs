@@ -3,8 +3,7 @@
 use std::marker::PhantomData;
 
 use raywarp_kernels::ray::Ray;
-use raywarp_kernels::traverse::{Counter, Structure};
-use raywarp_kernels::triangle::Triangle;
+use raywarp_kernels::traverse::{Counter, Structure, Visitor};
 use raywarp_kernels::view::View;
 
 /// A kernels' structure whose views point into arrays that are borrowed for `'a`.
@@ -31,8 +30,8 @@ impl<'a, S: Structure> Borrowed<'a, S> {
 
 impl<S: Structure> Structure for Borrowed<'_, S> {
     #[inline(always)]
-    fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visit: impl FnMut(&Triangle) -> f32) {
-        self.structure.traverse(ray, counter, visit)
+    fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
+        self.structure.traverse(ray, counter, visitor)
     }
 }
 
