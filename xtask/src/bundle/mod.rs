@@ -12,7 +12,7 @@ use serde_json::Value;
 use crate::process;
 
 /// Integration tests of the crate `raywarp` that run on CUDA when asked to.
-const GPU_TESTS: [&str; 1] = ["conformance"];
+const GPU_TESTS: [&str; 2] = ["conformance", "shading"];
 
 /// Most bytes that are still easily copied.
 const LIMIT: u64 = 40_000_000;
