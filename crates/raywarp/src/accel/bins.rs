@@ -3,7 +3,7 @@
 use raywarp_kernels::triangle::Triangle;
 
 use super::bounds::Bounds;
-use super::TRIANGLE_COST;
+use super::{NODE_COST, TRIANGLE_COST};
 
 /// Most bins an axis.
 const BINS: usize = 32;
@@ -16,10 +16,6 @@ fn bins_for(count: usize) -> usize {
         _ => BINS,
     }
 }
-
-/// Cost of a step to an inner node, in tests of a triangle: it reads 64 bytes and tests two boxes. Trees built with 1
-/// (the [`NODE_COST`](super::NODE_COST) that statistics are in) are a quarter larger and no faster.
-const STEP: f64 = 2.0;
 
 /// A triangle as the builder sees it: half a cache line.
 #[derive(Clone, Copy)]
@@ -153,7 +149,7 @@ pub(super) struct Cut {
 impl Cut {
     /// Expected cost of a ray that meets the box around both parts.
     pub fn cost(&self) -> f64 {
-        STEP + self.children / self.bounds[0].join(&self.bounds[1]).half_area()
+        NODE_COST + self.children / self.bounds[0].join(&self.bounds[1]).half_area()
     }
 
     /// Reorders the range that the bins were filled from.
