@@ -35,7 +35,7 @@ pub struct Triangle {
 /// - a determinant is six such products, rounded in the edge and in `s` (2 each), in the vector product (1 or 2) and in
 ///   the scalar product (1 to 3): 6 * (2 + 1.5 + 2) = 33;
 /// - w sums three determinants, and the sum of two of them, at most 12 products, is rounded: 3 * 33 + 12 = 111;
-/// - [`decide`](Triangle::decide) moves each corner by a rounding of its distance from the ray, at most two edges if it
+/// - `decide` moves each corner by a rounding of its distance from the ray, at most two edges if it
 ///   then finds the ray inside: 2 products of 2 factors, each 2 * 2: 16.
 ///
 /// The last lets neighbours disagree on nothing: a triangle that `decide` would accept is never refused without it.
@@ -56,7 +56,7 @@ impl Triangle {
     ///
     /// Möller and Trumbore solve `s = t(-d) + u e1 + v e2` with `s = o - v0` by Cramer's rule. In single precision two
     /// triangles round the determinants of a shared edge differently, and a ray could pass between them. So where
-    /// u, v or w is too close to zero to trust its sign, [`decide`](Self::decide) does: there neighbours compute the
+    /// u, v or w is too close to zero to trust its sign, `decide` does: there neighbours compute the
     /// shared edge from the same numbers and cannot both say no.
     #[inline(always)]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {

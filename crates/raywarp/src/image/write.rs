@@ -48,10 +48,10 @@ pub fn is_standard_output(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Finds out whether [`file`] can be expected to succeed, before hours of rendering.
+/// Finds out whether [`file()`] can be expected to succeed, before hours of rendering.
 ///
 /// # Errors
-/// As [`file`].
+/// As [`file()`].
 pub fn check(path: &Path) -> Result<(), ImageError> {
     if is_standard_output(path) {
         return Ok(());
