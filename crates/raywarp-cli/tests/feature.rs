@@ -203,3 +203,22 @@ fn quiet_says_nothing() {
     let run = place().render(&["scene.toml", "--size", "8x8", "-q"]).succeeds();
     assert!(run.out().is_empty() && run.err().is_empty());
 }
+
+#[test]
+fn bench_times_every_structure_and_counts_its_rays() {
+    let place = place();
+    let options = ["bench", "scene.toml", "--device", "cpu", "--size", "16x12", "--repeats", "1", "--json"];
+    let run = place.run(&options).succeeds();
+    let bench: serde_json::Value = serde_json::from_str(&run.out()).unwrap();
+    assert_eq!(bench["size"], serde_json::json!([16, 12]));
+    let rows = bench["rows"].as_array().unwrap();
+    let names: Vec<_> = rows.iter().map(|row| format!("{} {}", row["accel"], row["rays"])).collect();
+    assert_eq!(names.len(), 6, "{names:?}");
+    assert_eq!(names[5], r#""bvh" "all""#);
+    // Camera rays alone: one a pixel, for every structure.
+    assert!(rows.iter().filter(|row| row["rays"] == "primary").all(|row| row["tests"]["rays"] == 16 * 12));
+    assert!(rows.iter().all(|row| row["kernel_ms"]["median"].as_f64().unwrap() > 0.0));
+    let table = place.run(&["bench", "scene.toml", "--device=cpu", "--size=8x8", "--repeats=1", "--accel=bvh"]);
+    let table = table.out();
+    assert_eq!(table.lines().filter(|line| line.starts_with("| bvh |")).count(), 2, "{table}");
+}
