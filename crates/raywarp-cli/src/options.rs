@@ -193,7 +193,7 @@ pub struct BenchOptions {
     /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
     #[arg(long, value_name = "DEVICE", default_value_t)]
     pub device: DeviceChoice,
-    /// Structures, with commas: brute takes minutes on a CPU
+    /// Structures, with commas: brute takes hours on a CPU at full size
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "brute,kd,bvh")]
     pub accel: Vec<AccelKind>,
     /// Timed repeats

@@ -32,6 +32,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let chosen = options.camera.as_deref().map(|name| viewpoint::named(&loaded.scene.cameras, name)).transpose()?;
     let device = Device::open(options.device)?;
     let tracer = Tracer::new(&loaded.scene, options.accel, &device)?;
+    refuse_dropped(options, &tracer)?;
     say_notes(options, &loaded, &device, &tracer);
     let camera = viewpoint::adjusted(chosen.unwrap_or(tracer.default_camera()).clone(), options);
 
@@ -97,6 +98,18 @@ fn limit_threads(threads: Option<u32>) -> anyhow::Result<()> {
     pool.build_global().with_context(|| format!("cannot start {threads} threads"))
 }
 
+/// With `--strict`, triangles that cannot be hit are an error as every other warning is.
+fn refuse_dropped(options: &RenderOptions, tracer: &Tracer) -> anyhow::Result<()> {
+    let dropped = tracer.report().dropped;
+    let count = dropped.without_area + dropped.not_finite;
+    anyhow::ensure!(
+        !options.strict || count == 0,
+        "triangles without area or with coordinates that are not finite, {count} of them, would be dropped (an error \
+         because of --strict); mend the scene or leave --strict out"
+    );
+    Ok(())
+}
+
 fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: &Tracer) {
     if options.quiet {
         return;
@@ -109,7 +122,8 @@ fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: 
     if dropped.not_finite > 0 {
         say::line(&format!("warning: triangles that are not finite, {} of them, are dropped", dropped.not_finite));
     }
-    for note in &tracer.report().notes {
+    let aimed = options.eye.is_some() && options.target.is_some();
+    for note in tracer.report().notes.iter().filter(|note| !(aimed && note.contains("framed"))) {
         say::line(&format!("note: {note}"));
     }
     if let Some(reason) = device.fallback() {

@@ -30,7 +30,7 @@ pub struct Statistics {
     pub seconds: Seconds,
     /// Kernels launched for the picture.
     pub launches: u32,
-    /// Pixels with a sample that was no finite number.
+    /// Pixels that came out infinite or NaN; they are black in the picture.
     pub non_finite: u64,
     /// What was counted, in a second run without influence on the times.
     pub tests: Option<TestCounts>,
@@ -185,7 +185,7 @@ impl Statistics {
             table.row("costliest pixel", format!("{} tests", tests.most_of_a_pixel));
         }
         if self.non_finite > 0 {
-            table.row("not finite", format!("{} samples, left out", self.non_finite));
+            table.row("not finite", format!("{} pixels, black in the picture", self.non_finite));
         }
         table.0
     }

@@ -22,12 +22,18 @@ pub struct Thread {
 }
 
 /// A kernel: its parameters, and what one of its threads does.
-pub trait Kernel: Copy + Send + Sync {
+///
+/// # Safety
+/// `NAME` is the entry point that takes this very block by value.
+pub unsafe trait Kernel: Copy + Send + Sync {
     /// Name of the entry point in the PTX.
     const NAME: &'static str;
 
     /// Work of one thread. Threads beyond the edge of the launch do nothing.
-    fn thread(&self, thread: Thread);
+    ///
+    /// # Safety
+    /// The views in the block are good for this launch (see [`View::new`]), and no other call of it has this index.
+    unsafe fn thread(&self, thread: Thread);
 }
 
 /// Which part of a picture a launch computes, and how finely.
@@ -104,9 +110,9 @@ impl<S: Structure, C: Counter> Whitted<S, C> {
         // SAFETY: one thread a pixel.
         let Some(sum) = (unsafe { self.tests.get(index) }) else { return };
         let sum = Tests {
-            nodes: sum.nodes.wrapping_add(more.nodes),
-            triangles: sum.triangles.wrapping_add(more.triangles),
-            rays: sum.rays.wrapping_add(more.rays),
+            nodes: sum.nodes.saturating_add(more.nodes),
+            triangles: sum.triangles.saturating_add(more.triangles),
+            rays: sum.rays.saturating_add(more.rays),
         };
         // SAFETY: one thread a pixel.
         unsafe { self.tests.set(index, sum) };
@@ -279,10 +285,12 @@ macro_rules! for_each_kernel {
 
 macro_rules! implement {
     ($($name:ident: $kernel:ty),* $(,)?) => {
-        $(impl Kernel for $kernel {
+        $(
+        // SAFETY: `for_each_kernel` gives the PTX its entry points by the same names and types.
+        unsafe impl Kernel for $kernel {
             const NAME: &'static str = stringify!($name);
             #[inline(always)]
-            fn thread(&self, thread: Thread) {
+            unsafe fn thread(&self, thread: Thread) {
                 self.run(thread)
             }
         })*

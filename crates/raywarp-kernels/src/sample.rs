@@ -45,7 +45,8 @@ fn permute(index: u32, len: u32, key: u32) -> u32 {
 
 /// Sample `index` of `count` in the unit square: correlated multi-jittered (Kensler 2013).
 ///
-/// The samples of one key fall one in each cell of a near-square grid, and one in each of `count` columns and rows.
+/// The samples of one key fall one in each of `count` rows, and, where they fill a near-square grid, one in each of its
+/// cells and one in each of `count` columns.
 /// A single sample is the centre, so that a picture of one sample a pixel is not jagged at random.
 #[inline(always)]
 pub fn stratified(index: u32, count: u32, key: u32) -> (f32, f32) {
@@ -55,14 +56,14 @@ pub fn stratified(index: u32, count: u32, key: u32) -> (f32, f32) {
     let columns = crate::arch::max(crate::arch::floor(crate::arch::sqrt(count as f32)), 1.0) as u32;
     let rows = count.div_ceil(columns);
     let index = permute(index, count, combine(key, 1));
-    let (column, row) = (index % columns, index / columns);
-    let shuffled_column = permute(column, columns, combine(key, 2));
-    let shuffled_row = permute(row, rows, combine(key, 3));
+    let shuffled_column = permute(index % columns, columns, combine(key, 2));
+    let shuffled_row = permute(index / columns, rows, combine(key, 3));
     let jitter_x = unit(combine(index, combine(key, 4)));
     let jitter_y = unit(combine(index, combine(key, 5)));
     (
         (shuffled_column as f32 + (shuffled_row as f32 + jitter_x) / rows as f32) / columns as f32,
-        (row as f32 + (shuffled_column as f32 + jitter_y) / columns as f32) / rows as f32,
+        // Of the index itself: the last row of the grid may be short, and must not count as a whole one.
+        (index as f32 + jitter_y) / count as f32,
     )
 }
 
@@ -93,6 +94,26 @@ mod tests {
             let mut cells = [0; 16];
             points.iter().for_each(|&(x, y)| cells[(x * 4.0) as usize + 4 * (y * 4.0) as usize] += 1);
             assert_eq!(cells, [1; 16], "key {key}");
+        }
+    }
+
+    #[test]
+    fn any_count_is_stratified_in_rows_and_centred() {
+        for count in [2, 3, 5, 7, 10, 32, 100] {
+            let (mut mean_x, mut mean_y) = (0.0, 0.0);
+            for key in 0..400 {
+                let mut rows = vec![0; count as usize];
+                for (x, y) in (0..count).map(|i| stratified(i, count, hash(key))) {
+                    rows[(y * count as f32) as usize] += 1;
+                    (mean_x, mean_y) = (mean_x + x as f64, mean_y + y as f64);
+                }
+                assert!(rows.iter().all(|&n| n == 1), "{count} samples of key {key}: {rows:?}");
+            }
+            let total = 400.0 * count as f64;
+            // Three standard deviations of the mean of as many independent numbers; these are not, and do better.
+            let bound = 3.0 * (1.0 / 12.0f64 / total).sqrt();
+            assert!((mean_x / total - 0.5).abs() < bound, "{count}: {}", mean_x / total);
+            assert!((mean_y / total - 0.5).abs() < bound, "{count}: {}", mean_y / total);
         }
     }
 

@@ -205,11 +205,13 @@ impl Scene {
         let Some((tangent, bitangent)) = self.frame(corners, normal) else { return normal };
         let (x, y, z) = if material.flags & flags::HEIGHT != 0 {
             let (right, up) = self.textures.slope(material.normal_map, u, v);
-            (-right * material.bump, -up * material.bump, 1.0)
+            (-right, -up, 1.0)
         } else {
             let painted = self.textures.sample(material.normal_map, u, v).color.mul_add(2.0, Vec3::splat(-1.0));
-            (painted.x * material.bump, painted.y * material.bump, painted.z)
+            (painted.x, painted.y, painted.z)
         };
+        let (x, y) = self.textures.list.item(material.normal_map).to_mesh(x, y);
+        let (x, y) = (x * material.bump, y * material.bump);
         let bent = tangent.mul_add(x, bitangent.mul_add(y, normal * z)).normalize();
         if bent.is_zero() {
             normal

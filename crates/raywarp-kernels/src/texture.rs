@@ -83,8 +83,10 @@ pub struct Textures {
 
 impl Textures {
     /// The colour of texture `index` at mesh coordinates (u, v), v up.
-    // Not inlined: a surface may sample five textures, and on the GPU code that is not in the cache is slow.
-    #[inline(never)]
+    // Not inlined on the GPU: a surface may sample five textures, and code that is not in the cache is slow. Inlined on
+    // the CPU, as only what is inlined into the tile loop may use its fused multiply-add.
+    #[cfg_attr(target_arch = "nvptx64", inline(never))]
+    #[cfg_attr(not(target_arch = "nvptx64"), inline(always))]
     pub fn sample(&self, index: u32, u: f32, v: f32) -> Texel {
         let texture = self.list.at(index);
         let (x, y) = texture.position(u, v);
@@ -107,8 +109,9 @@ impl Textures {
         a.plus(b).plus(c).plus(d)
     }
 
-    /// Slope of the luminance, in full range a texel, to the right and upwards; for height maps.
-    #[inline(never)]
+    /// Slope of the luminance, in full range a texel, to the right and upwards in the image; for height maps.
+    #[cfg_attr(target_arch = "nvptx64", inline(never))]
+    #[cfg_attr(not(target_arch = "nvptx64"), inline(always))]
     pub fn slope(&self, index: u32, u: f32, v: f32) -> (f32, f32) {
         let texture = self.list.at(index);
         let (x, y) = texture.position(u, v);
@@ -119,7 +122,8 @@ impl Textures {
         (0.5 * (height(1.0, 0.0) - height(-1.0, 0.0)), 0.5 * (height(0.0, -1.0) - height(0.0, 1.0)))
     }
 
-    #[inline(never)]
+    #[cfg_attr(target_arch = "nvptx64", inline(never))]
+    #[cfg_attr(not(target_arch = "nvptx64"), inline(always))]
     fn texel(&self, texture: &Texture, x: f32, y: f32) -> Texel {
         let column = wrap(x, texture.width, texture.mode & 3);
         let row = wrap(y, texture.height, texture.mode >> 2 & 3);
@@ -144,6 +148,21 @@ impl Texture {
         let x = bound(arch::fma(self.u_row.x, u, arch::fma(self.u_row.y, v, self.u_row.z)));
         let y = bound(arch::fma(self.v_row.x, u, arch::fma(self.v_row.y, v, self.v_row.z)));
         (x * self.width as f32, (1.0 - y) * self.height as f32)
+    }
+
+    /// A direction in the image, to the right and upwards, as seen along the u and v of the mesh: the transform may
+    /// turn or mirror what is painted. Its scale does not count, as relief is painted in texels.
+    #[inline(always)]
+    pub fn to_mesh(&self, x: f32, y: f32) -> (f32, f32) {
+        let along = |dx: f32, dy: f32| {
+            let length = arch::sqrt(arch::fma(dx, dx, dy * dy));
+            if length > 0.0 {
+                arch::fma(x, dx, y * dy) / length
+            } else {
+                0.0
+            }
+        };
+        (along(self.u_row.x, self.v_row.x), along(self.u_row.y, self.v_row.y))
     }
 
     #[inline(always)]

@@ -48,7 +48,7 @@ impl<T: Copy> View<T> {
 
     /// The item at `index`, which whoever made the view vouches to be in range.
     #[inline(always)]
-    pub fn at(&self, index: u32) -> T {
+    pub(crate) fn at(&self, index: u32) -> T {
         debug_assert!(index < self.len, "index {index} of {}", self.len);
         // SAFETY: `new` was promised valid items and that indices are in range.
         unsafe { *self.address.add(index as usize) }
@@ -56,7 +56,7 @@ impl<T: Copy> View<T> {
 
     /// The item at `index` where it lies: for large items of which only parts are read.
     #[inline(always)]
-    pub fn item(&self, index: u32) -> &T {
+    pub(crate) fn item(&self, index: u32) -> &T {
         debug_assert!(index < self.len, "index {index} of {}", self.len);
         // SAFETY: as for `at`; nothing writes the items while a kernel runs.
         unsafe { &*self.address.add(index as usize) }
@@ -64,7 +64,7 @@ impl<T: Copy> View<T> {
 
     /// As [`at`](Self::at), by 128-bit loads; for items of 16-byte granules whose every bit pattern is valid.
     #[inline(always)]
-    pub fn load(&self, index: u32) -> T {
+    pub(crate) fn load(&self, index: u32) -> T {
         debug_assert!(index < self.len, "index {index} of {}", self.len);
         // SAFETY: as for `at`; `arch::load` checks the granules when it is compiled.
         unsafe { crate::arch::load(self.address.add(index as usize)) }

@@ -17,7 +17,8 @@ macro_rules! entry_points {
         /// The views in the parameter block are those that the host made for this launch.
         #[no_mangle]
         pub unsafe extern "ptx-kernel" fn $name(kernel: $kernel) {
-            kernel.thread(arch::thread())
+            // SAFETY: the caller's promise; the hardware gives each thread its own index.
+            unsafe { kernel.thread(arch::thread()) }
         }
     )*};
 }

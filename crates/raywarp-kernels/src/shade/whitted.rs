@@ -4,10 +4,9 @@
 //! adds up the same contributions.
 
 use super::optics::{fresnel, reflect, refract, schlick};
-use crate::arch;
 use crate::light::Illumination;
 use crate::material::{flags, Material};
-use crate::math::{mix, power, Vec3};
+use crate::math::{clamp, mix, power, Vec3};
 use crate::ray::{Hit, Ray};
 use crate::stack::Stack;
 use crate::surface::{Scene, Surface};
@@ -17,8 +16,8 @@ use crate::traverse::{closest, occlusion, Counter, Occlusion, Structure, START};
 /// Most bounces that can be asked for.
 pub const MAX_DEPTH: u32 = 16;
 
-/// Rays that can wait. Mirrored and refracted rays alone need [`MAX_DEPTH`]; layers of partly covered mirrors in front
-/// of each other may need more, and a branch beyond the last place is lost.
+/// Rays that can wait. Mirrored and refracted rays alone need one more than [`MAX_DEPTH`]; a dozen layers of partly
+/// covered mirrors of glass in front of each other may need more, and a branch beyond the last place is lost.
 const BRANCHES: usize = 24;
 
 /// Below this weight what lies behind layers of partial coverage is not followed: a quarter of an 8-bit step.
@@ -92,7 +91,7 @@ pub fn trace<S: Structure, C: Counter>(
 }
 
 impl<S: Structure, C: Counter> Tracer<'_, S, C> {
-    /// The first hit after `previous` that is not in a hole.
+    /// The first hit after `previous` that covers anything.
     #[inline(always)]
     fn visible(&mut self, ray: &Ray, previous: &Hit) -> Hit {
         visible(self.structure, self.scene, ray, previous, self.counter)
@@ -118,7 +117,7 @@ impl<S: Structure, C: Counter> Tracer<'_, S, C> {
                 continue;
             }
             let mirrored = reflect(ray.direction, surface.normal);
-            let highlight = power(arch::max(mirrored.dot(light.towards), 0.0), material.shininess);
+            let highlight = power(clamp(mirrored.dot(light.towards), 0.0, 1.0), material.shininess);
             let answer = diffuse.mul_add(cosine, specular * highlight);
             if !answer.is_zero() {
                 sum += answer * light.color * self.transmittance(surface, &light);
@@ -133,9 +132,9 @@ impl<S: Structure, C: Counter> Tracer<'_, S, C> {
         if self.limits.shadows == 0 {
             return Vec3::ONE;
         }
-        let origin = surface.start(1.0);
-        let t_max = if light.distance < f32::INFINITY { light.distance } else { f32::INFINITY };
-        let ray = Ray { origin, t_min: 0.0, direction: light.towards, t_max };
+        // The start is off the surface by `offset`: twice that before the light, a lamp in a ceiling is not behind it.
+        let t_max = light.distance - 2.0 * surface.offset;
+        let ray = Ray { origin: surface.start(1.0), t_min: 0.0, direction: light.towards, t_max };
         match occlusion(self.structure, &ray, self.counter) {
             Occlusion::Clear => Vec3::ONE,
             Occlusion::Blocked => Vec3::ZERO,
@@ -145,7 +144,8 @@ impl<S: Structure, C: Counter> Tracer<'_, S, C> {
 
     /// What a shadow ray that meets nothing opaque brings through, surface by surface.
     #[cold]
-    #[inline(never)]
+    #[cfg_attr(target_arch = "nvptx64", inline(never))]
+    #[cfg_attr(not(target_arch = "nvptx64"), inline(always))]
     fn filter(&mut self, ray: &Ray) -> Vec3 {
         let (mut share, mut previous) = (Vec3::ONE, START);
         while share.max_abs() > FAINT {
@@ -161,7 +161,7 @@ impl<S: Structure, C: Counter> Tracer<'_, S, C> {
     }
 }
 
-/// The first hit after `previous` that is not in a hole of a masked surface.
+/// The first hit after `previous` that covers anything.
 #[inline(always)]
 pub fn visible<S: Structure>(
     structure: &S,
@@ -177,7 +177,7 @@ pub fn visible<S: Structure>(
             return hit;
         }
         let material = scene.material(hit.primitive);
-        if material.flags & flags::MASK == 0 || scene.coverage(&hit, material) > 0.0 {
+        if material.flags & (flags::MASK | flags::BLEND) == 0 || scene.coverage(&hit, material) > 0.0 {
             return hit;
         }
     }
@@ -198,8 +198,8 @@ fn scatter(
     }
     let direction = branch.ray.direction;
     let eta = if surface.outside { 1.0 / material.ior } else { material.ior };
-    let cosine = -direction.dot(surface.normal);
-    let refracted = if transparent { refract(direction, surface.normal, eta) } else { None };
+    let (normal, refracted) = if transparent { bend(direction, surface, eta) } else { (surface.normal, None) };
+    let cosine = -direction.dot(normal);
     let share = if transparent && refracted.is_none() {
         1.0
     } else if material.flags & flags::FRESNEL == 0 {
@@ -210,9 +210,7 @@ fn scatter(
         schlick(cosine)
     };
     let mut wait = |direction: Vec3, side: f32, weight: Vec3| {
-        // A bent or interpolated normal may send the ray to the wrong side of the flat triangle: start on its side.
-        let above = direction.dot(surface.geometric) * side > 0.0;
-        if above && !weight.is_zero() {
+        if !weight.is_zero() {
             let ray = Ray::new(surface.start(side), direction.normalize());
             waiting.push(Branch { ray, weight, depth: branch.depth + 1 });
         }
@@ -220,8 +218,24 @@ fn scatter(
     if let Some(refracted) = refracted {
         wait(refracted, -1.0, weight * material.transmission * (1.0 - share));
     }
-    let mirrored = weight * mix(material.reflection, Vec3::ONE, share);
-    wait(mirror(direction, surface), 1.0, mirrored);
+    let mirrored = if transparent && material.flags & flags::FRESNEL != 0 && material.ior != 1.0 {
+        // Glass: what Fresnel's equations do not let through, tinted by `reflection` if that has a colour.
+        let tint = if material.reflection.is_zero() { Vec3::ONE } else { material.reflection };
+        tint * share
+    } else {
+        mix(material.reflection, Vec3::ONE, share)
+    };
+    wait(mirror(direction, surface), 1.0, weight * mirrored);
+}
+
+/// The refracted direction and the normal that bends it: the shading normal, or the flat one where the shading normal
+/// would send the ray to the wrong side of the triangle or reflect it totally, although the triangle itself would not.
+#[inline(always)]
+fn bend(direction: Vec3, surface: &Surface, eta: f32) -> (Vec3, Option<Vec3>) {
+    match refract(direction, surface.normal, eta) {
+        Some(bent) if bent.dot(surface.geometric) < 0.0 => (surface.normal, Some(bent)),
+        _ => (surface.geometric, refract(direction, surface.geometric, eta)),
+    }
 }
 
 /// The mirror direction; about the flat normal where the shading normal would send it into the surface.

@@ -99,7 +99,9 @@ impl Counter for Tests {
 #[inline(always)]
 pub fn closest(structure: &impl Structure, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
     counter.ray();
-    let ray = Ray { t_min: crate::arch::max(ray.t_min, previous.t), ..*ray };
+    // Not `max`, which would lose a NaN: such a ray hits nothing.
+    let t_min = if previous.t > ray.t_min { previous.t } else { ray.t_min };
+    let ray = Ray { t_min, ..*ray };
     let mut nearest = Nearest { ray: &ray, previous, best: Hit { t: ray.t_max, ..Hit::NONE } };
     structure.traverse(&ray, counter, &mut nearest);
     if nearest.best.is_miss() {

@@ -53,13 +53,13 @@ impl<T: Plain> Buffer<T> {
         self.len as u64 * std::mem::size_of::<T>() as u64
     }
 
-    /// Copies the items back.
+    /// Brings the items back.
     ///
     /// # Errors
     /// [`DeviceError`] where the device fails.
-    pub fn download(&self) -> Result<Vec<T>, DeviceError> {
-        match &self.storage {
-            Storage::Host(items) => Ok(items.clone()),
+    pub fn download(self) -> Result<Vec<T>, DeviceError> {
+        match self.storage {
+            Storage::Host(items) => Ok(items),
             Storage::Cuda(buffer) => buffer.download(self.len as usize),
         }
     }

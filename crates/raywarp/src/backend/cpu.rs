@@ -21,7 +21,10 @@ pub(super) fn available_memory() -> Option<u64> {
 }
 
 /// Runs every thread of the launch; returns the seconds it took.
-pub(super) fn launch<K: Kernel>(kernel: &K, extent: [u32; 2]) -> f64 {
+///
+/// # Safety
+/// As for [`Device::launch`](super::Device::launch).
+pub(super) unsafe fn launch<K: Kernel>(kernel: &K, extent: [u32; 2]) -> f64 {
     let start = Instant::now();
     // One row means a batch of items, cut into runs.
     let tile = if extent[1] == 1 { [TILE[0] * TILE[1], 1] } else { TILE };
@@ -30,8 +33,9 @@ pub(super) fn launch<K: Kernel>(kernel: &K, extent: [u32; 2]) -> f64 {
     let run = runner::<K>();
     (0..tiles).into_par_iter().for_each(|index| {
         let corner = [(index % columns) as u32 * tile[0], (index / columns) as u32 * tile[1]];
-        let end = [0, 1].map(|i| extent[i].min(corner[i] + tile[i]));
-        // SAFETY: `runner` asked the processor for the instructions of what it returned.
+        let end = [0, 1].map(|i| extent[i].min(corner[i].saturating_add(tile[i])));
+        // SAFETY: `runner` asked the processor for the instructions of what it returned, tiles do not overlap, and the
+        // views are the caller's promise.
         unsafe { run(kernel, corner, end) };
     });
     start.elapsed().as_secs_f64()
@@ -50,16 +54,18 @@ fn runner<K: Kernel>() -> Runner<K> {
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn run_tile_fused<K: Kernel>(kernel: &K, corner: [u32; 2], end: [u32; 2]) {
-    run_tile(kernel, corner, end)
+#[target_feature(enable = "avx2,fma")]
+unsafe fn run_tile_fused<K: Kernel>(kernel: &K, corner: [u32; 2], end: [u32; 2]) {
+    // SAFETY: the caller's promise.
+    unsafe { run_tile(kernel, corner, end) }
 }
 
 #[inline(always)]
-fn run_tile<K: Kernel>(kernel: &K, corner: [u32; 2], end: [u32; 2]) {
+unsafe fn run_tile<K: Kernel>(kernel: &K, corner: [u32; 2], end: [u32; 2]) {
     for y in corner[1]..end[1] {
         for x in corner[0]..end[0] {
-            kernel.thread(Thread { x, y });
+            // SAFETY: the caller's promise; each thread of the tile once.
+            unsafe { kernel.thread(Thread { x, y }) };
         }
     }
 }

@@ -42,7 +42,7 @@ impl Device {
         match choice {
             DeviceChoice::Cpu => Ok(Self { machine: Machine::Cpu, fallback: None }),
             DeviceChoice::Cuda(index) => Ok(Self { machine: Machine::Cuda(cuda::Cuda::open(index)?), fallback: None }),
-            DeviceChoice::Auto => Ok(match cuda::Cuda::open(0) {
+            DeviceChoice::Auto => Ok(match cuda::Cuda::open_any() {
                 Ok(gpu) => Self { machine: Machine::Cuda(gpu), fallback: None },
                 Err(error) => Self { machine: Machine::Cpu, fallback: Some(error.to_string()) },
             }),
@@ -64,7 +64,15 @@ impl Device {
 
     /// Whether this is a CUDA device.
     pub fn is_cuda(&self) -> bool {
-        matches!(self.machine, Machine::Cuda(_))
+        self.cuda_index().is_some()
+    }
+
+    /// N of `cuda:N`, for a CUDA device.
+    pub fn cuda_index(&self) -> Option<usize> {
+        match &self.machine {
+            Machine::Cpu => None,
+            Machine::Cuda(gpu) => Some(gpu.index()),
+        }
     }
 
     /// Checks that `bytes` more fit before they are asked for.
@@ -114,7 +122,8 @@ impl Device {
     /// [`DeviceError`] where the launch fails.
     pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<f64, DeviceError> {
         match &self.machine {
-            Machine::Cpu => Ok(cpu::launch(kernel, extent)),
+            // SAFETY: the caller's promise.
+            Machine::Cpu => Ok(unsafe { cpu::launch(kernel, extent) }),
             // SAFETY: the caller's promise.
             Machine::Cuda(gpu) => unsafe { gpu.launch(kernel, extent) },
         }

@@ -41,6 +41,22 @@ pub struct DeviceInfo {
     pub ptx: Result<(), DeviceError>,
 }
 
+impl DeviceInfo {
+    /// One that the driver shows and that does not answer.
+    fn broken(index: usize, error: DeviceError) -> Self {
+        Self {
+            index,
+            name: "a device that does not answer".to_owned(),
+            compute_capability: (0, 0),
+            memory_total: 0,
+            memory_free: 0,
+            multiprocessors: 0,
+            clock_mhz: 0,
+            ptx: Err(error),
+        }
+    }
+}
+
 /// Where the kernels come from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PtxInfo {
@@ -56,6 +72,7 @@ pub struct PtxInfo {
 pub fn survey() -> Survey {
     let driver = cuda::driver_version().map(|version| DriverInfo { version });
     let count = if driver.is_ok() { cuda::device_count().unwrap_or(0) } else { 0 };
-    let devices = (0..count).filter_map(|index| cuda::device_info(index).ok()).collect();
+    let devices =
+        (0..count).map(|index| cuda::device_info(index).unwrap_or_else(|e| DeviceInfo::broken(index, e))).collect();
     Survey { driver, devices, ptx: cuda::ptx_info() }
 }

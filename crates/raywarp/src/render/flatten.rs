@@ -6,6 +6,7 @@ use raywarp_kernels::surface::Primitive;
 use raywarp_kernels::triangle::{flags, Triangle};
 
 use super::RenderError;
+use crate::backend::DeviceError;
 use crate::scene::{AlphaMode, Instance, Material, Mesh, Scene};
 
 /// A scene without instances. Optional vertex data is either there for all vertices or for none.
@@ -28,6 +29,10 @@ impl Flat {
         let with_uvs = placed().any(|mesh| !mesh.uvs.is_empty());
         let with_colors = placed().any(|mesh| !mesh.colors.is_empty());
         let with_tangents = placed().any(|mesh| !mesh.tangents.is_empty());
+        let totals = placed().fold([0; 2], |[v, t], mesh| [v + mesh.positions.len(), t + mesh.triangles.len()]);
+        if let Some(&len) = totals.iter().find(|&&len| u32::try_from(len).is_err()) {
+            return Err(DeviceError::TooMany { len }.into());
+        }
         let triangle_flags: Vec<u32> = scene.materials.iter().map(flags_of).collect();
 
         let mut flat = Self::default();

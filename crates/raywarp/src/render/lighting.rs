@@ -27,7 +27,7 @@ const AMBIENT: [f32; 3] = [0.05; 3];
 const AMBIENT_BUILT_IN: [f32; 3] = [0.25, 0.27, 0.30];
 
 impl Lighting {
-    pub fn of(scene: &Scene, _bounds: [[f32; 3]; 2]) -> Self {
+    pub fn of(scene: &Scene) -> Self {
         let built_in = scene.lights.is_empty();
         let mut notes = Vec::new();
         if built_in {
@@ -89,8 +89,9 @@ fn light(light: &scene::Light) -> Light {
             (ready.kind, ready.position) = (kind::SPOT, position.into());
             ready.direction = Vec3::from(direction).normalize();
             ready.cos_outer = outer.cos();
-            // A cone without a soft edge still needs a finite slope.
-            ready.cone_scale = 1.0 / (inner.cos() - outer.cos()).max(1e-4);
+            // In double precision: the cosines of narrow cones differ by little. A hard edge still needs a finite slope.
+            let difference = (inner as f64).cos() - (outer as f64).cos();
+            ready.cone_scale = (1.0 / difference.max(1e-9)) as f32;
         }
     }
     ready

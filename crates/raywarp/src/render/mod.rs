@@ -115,7 +115,7 @@ impl Tracer {
         let structure = Resident::upload(device, &tree)?;
         let upload_seconds = start.elapsed().as_secs_f64();
 
-        let lighting = Lighting::of(scene, bounds);
+        let lighting = Lighting::of(scene);
         let (camera, framed) = camera::default_camera(scene, bounds);
         let mut notes = lighting.notes.clone();
         notes.extend(framed);

@@ -25,8 +25,9 @@ pub struct Material {
     pub transmission: [f32; 3],
     /// Index of refraction of the inside against the outside; 1 does not bend.
     pub ior: f32,
-    /// Fresnel's equations move energy from transmission to reflection; for opaque surfaces, from `reflection`
-    /// towards 1 at grazing angles.
+    /// Fresnel's equations share out the light. Glass (`transmission` and an `ior` other than 1) mirrors their share,
+    /// tinted by `reflection` if that has a colour, and lets the rest through, tinted by `transmission`. Every other
+    /// surface mirrors `reflection` at normal incidence and more at grazing angles (Schlick 1994).
     pub fresnel: bool,
     /// Coverage from 0 to 1: what is not covered shows what lies straight behind.
     pub opacity: f32,

@@ -46,15 +46,14 @@ impl<T: Plain> CudaBuffer<T> {
     pub fn download(&self, items: usize) -> Result<Vec<T>, DeviceError> {
         let failed = |e| self.gpu.failed("gave data back", e);
         let size = items * std::mem::size_of::<T>();
-        let mut target = Vec::<T>::with_capacity(items);
+        // SAFETY: zeros are a `Plain` value.
+        let mut target: Vec<T> = vec![unsafe { std::mem::zeroed() }; items];
         if size > 0 {
-            // SAFETY: the capacity is `size` bytes; they are only written.
+            // SAFETY: the items are `size` bytes, and any bytes are a `Plain` value.
             let raw = unsafe { std::slice::from_raw_parts_mut(target.as_mut_ptr().cast::<u8>(), size) };
             self.gpu.stream().memcpy_dtoh(&self.bytes.slice(..size), raw).map_err(failed)?;
             self.gpu.stream().synchronize().map_err(failed)?;
         }
-        // SAFETY: all `items` were written, and any bytes are a `Plain` value.
-        unsafe { target.set_len(items) };
         Ok(target)
     }
 

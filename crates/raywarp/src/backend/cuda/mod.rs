@@ -75,6 +75,20 @@ impl Cuda {
         Ok(Self { shared: Arc::new(shared) })
     }
 
+    /// The first device that opens and takes the kernels, or why the first one does not.
+    pub fn open_any() -> Result<Self, DeviceError> {
+        let usable = |index| Self::open(index).and_then(|gpu| gpu.function(SMALLEST_KERNEL).map(|_| gpu));
+        let first = usable(0);
+        if first.is_ok() {
+            return first;
+        }
+        (1..device_count()?).find_map(|index| usable(index).ok()).map_or(first, Ok)
+    }
+
+    pub fn index(&self) -> usize {
+        self.shared.index
+    }
+
     pub fn description(&self) -> String {
         format!("{} (CUDA device {})", self.shared.name, self.shared.index)
     }
@@ -89,6 +103,8 @@ impl Cuda {
 
     /// Bytes that can still be had.
     pub fn free_memory(&self) -> Result<u64, DeviceError> {
+        // What was freed in the order of the stream is free only once the stream got there.
+        self.stream().synchronize().map_err(|e| self.failed("finished its work", e))?;
         let (free, _) = self.context().mem_get_info().map_err(|e| self.failed("told its free memory", e))?;
         Ok(free as u64)
     }

@@ -41,10 +41,15 @@ impl Surface {
         let brightest = reflectance.into_iter().fold(0.0, f32::max);
         let peak = (1.0 / (4.0 * alpha * alpha)).min(1.0 / brightest.max(f32::MIN_POSITIVE));
         material.specular = reflectance.map(|channel| channel * peak);
-        material.reflection = reflectance.map(|channel| channel * mirror_share(self.roughness));
-        material.fresnel = material.reflection != [0.0; 3];
         let transmitted = self.transmission * (1.0 - self.metallic);
-        material.transmission = self.base.map(|base| base * transmitted);
+        // Where light is bent, Fresnel's equations bring the dielectric's reflection themselves; a thin wall sends
+        // through what it does not reflect.
+        let bends = self.ior != 1.0;
+        let mirrored = if bends && transmitted > 0.0 { 0.0 } else { mirror_share(self.roughness) };
+        material.reflection = reflectance.map(|channel| channel * mirrored);
+        material.fresnel = material.reflection != [0.0; 3] || (bends && transmitted > 0.0);
+        let share = |c: usize| transmitted * if bends { 1.0 } else { 1.0 - reflectance[c] };
+        material.transmission = std::array::from_fn(|c| self.base[c] * share(c));
         material.ior = self.ior;
     }
 
