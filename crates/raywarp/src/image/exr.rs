@@ -34,8 +34,12 @@ pub fn encode(picture: &Picture, layers: Option<&Layers>, asked: &[Layer]) -> Re
         channels.extend(layer_channels(layers, layer)?);
     }
     let size = (width as usize, height as usize);
-    let part = Part::new(size, LayerAttributes::default(), Encoding::SMALL_FAST_LOSSLESS, AnyChannels::sort(channels));
-    let image = Image::empty(ImageAttributes::with_size(size)).with_layer(part);
+    // A crop keeps its place within the whole, so that parts can be put together again.
+    let layer_position = ::exr::math::Vec2(picture.origin[0] as i32, picture.origin[1] as i32);
+    let attributes = LayerAttributes { layer_position, ..LayerAttributes::default() };
+    let part = Part::new(size, attributes, Encoding::SMALL_FAST_LOSSLESS, AnyChannels::sort(channels));
+    let whole = (picture.whole[0] as usize, picture.whole[1] as usize);
+    let image = Image::empty(ImageAttributes::with_size(whole)).with_layer(part);
     let mut bytes = Cursor::new(Vec::new());
     image.write().to_unbuffered(&mut bytes).map_err(|error| failed(error.to_string()))?;
     Ok(bytes.into_inner())
@@ -105,7 +109,13 @@ mod tests {
 
     #[test]
     fn channels_are_named_by_layer_and_hold_what_was_given() {
-        let picture = Picture { width: 2, height: 1, pixels: vec![[0.5, 1.0, 4.0, 1.0], [0.0; 4]] };
+        let picture = Picture {
+            width: 2,
+            height: 1,
+            origin: [3, 4],
+            whole: [16, 9],
+            pixels: vec![[0.5, 1.0, 4.0, 1.0], [0.0; 4]],
+        };
         let seen = Surfel { depth: 2.5, primitive: 7, ..Surfel::NONE };
         let tests = Some(vec![Tests { nodes: 3, triangles: 5, rays: 1 }, Tests::default()]);
         let layers = Layers { width: 2, height: 1, surfels: vec![seen, Surfel::NONE], tests };
@@ -113,6 +123,8 @@ mod tests {
 
         let image = ::exr::prelude::read().no_deep_data().largest_resolution_level().all_channels();
         let image = image.first_valid_layer().all_attributes().from_buffered(Cursor::new(bytes)).unwrap();
+        assert_eq!(image.layer_data.attributes.layer_position, ::exr::math::Vec2(3, 4));
+        assert_eq!(image.attributes.display_window.size, ::exr::math::Vec2(16, 9));
         let channels = &image.layer_data.channel_data.list;
         let names: Vec<_> = channels.iter().map(|channel| channel.name.to_string()).collect();
         let expected = "A B G R albedo.B albedo.G albedo.R depth.Z material.ID normal.X normal.Y normal.Z position.X \
@@ -127,7 +139,7 @@ mod tests {
 
     #[test]
     fn a_layer_that_was_not_rendered_is_an_error() {
-        let picture = Picture { width: 1, height: 1, pixels: vec![[0.0; 4]] };
+        let picture = Picture { width: 1, height: 1, whole: [1, 1], pixels: vec![[0.0; 4]], ..Picture::default() };
         assert!(matches!(encode(&picture, None, &[Layer::Depth]), Err(ImageError::NoLayer(Layer::Depth))));
     }
 }

@@ -28,6 +28,10 @@ pub struct Picture {
     pub width: u32,
     /// Rows.
     pub height: u32,
+    /// Column and row of the first pixel in the whole picture, of which this may be a crop.
+    pub origin: [u32; 2],
+    /// Size of the whole picture.
+    pub whole: [u32; 2],
     /// Linear radiance (Rec. 709 primaries) and the share of camera rays that hit something; top row first.
     pub pixels: Vec<[f32; 4]>,
 }

@@ -25,6 +25,7 @@ use crate::scene::{Camera, Scene};
 use bands::Bands;
 use flatten::Flat;
 use lighting::Lighting;
+use options::Window;
 use resident::ResidentScene;
 
 pub use error::RenderError;
@@ -186,7 +187,7 @@ impl Tracer {
             bands.took(seconds);
             progress(Progress { done: bands.done(), total: bands.total() });
         }
-        finish(options, film, tests, kernel_seconds, launches, window.extent)
+        finish(options, film, tests, kernel_seconds, launches, window)
     }
 
     /// What the ray through the centre of each pixel meets first, row by row.
@@ -224,14 +225,14 @@ fn finish(
     tests: Buffer<Tests>,
     kernel_seconds: f64,
     launches: u32,
-    [width, height]: [u32; 2],
+    window: Window,
 ) -> Result<Rendering, RenderError> {
-    let samples = options.spp as f32;
+    let ([width, height], samples) = (window.extent, options.spp as f32);
     let mut non_finite = 0;
     let pixels = film.download()?.iter().map(|pixel| mean(pixel, samples, &mut non_finite)).collect();
     let tests = if options.count_tests { Some(tests.download()?) } else { None };
     let rays = tests.as_ref().map(|tests| tests.iter().map(|t| t.rays as u64).sum());
-    let picture = Picture { width, height, pixels };
+    let picture = Picture { width, height, origin: window.origin, whole: options.size, pixels };
     Ok(Rendering { picture, tests, kernel_seconds, launches, rays, non_finite })
 }
 
