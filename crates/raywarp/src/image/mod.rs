@@ -16,6 +16,7 @@ pub mod write;
 use raywarp_kernels::kernels::Surfel;
 use raywarp_kernels::traverse::Tests;
 
+pub(crate) use color::srgb_to_linear_precise;
 pub use color::{srgb_to_linear, Development, ToneMap};
 pub use error::ImageError;
 pub use layer::Layer;

@@ -3,6 +3,7 @@
 use raywarp_kernels::material::{flags, Material};
 use raywarp_kernels::texture::{mode, Texture, NO_TEXTURE};
 
+use crate::image::srgb_to_linear_precise;
 use crate::scene::{self, AlphaMode, Channel, Filter, Image, NormalMap, Scene, Wrap};
 
 /// Materials and the textures that they refer to.
@@ -31,17 +32,9 @@ pub(super) fn texels(scene: &Scene) -> Vec<u32> {
     scene.images.iter().flat_map(texels).collect()
 }
 
-/// Linear value of each sRGB byte (IEC 61966-2-1).
+/// Linear value of each sRGB byte.
 pub(super) fn srgb_table() -> Vec<f32> {
-    let decode = |byte: u32| {
-        let c = byte as f64 / 255.0;
-        if c <= 0.04045 {
-            c / 12.92
-        } else {
-            ((c + 0.055) / 1.055).powf(2.4)
-        }
-    };
-    (0..256).map(|byte| decode(byte) as f32).collect()
+    (0..256).map(|byte| srgb_to_linear_precise(byte as f64 / 255.0) as f32).collect()
 }
 
 /// Where an image lies among the texels.

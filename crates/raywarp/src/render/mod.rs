@@ -110,7 +110,8 @@ impl Tracer {
         let build_seconds = start.elapsed().as_secs_f64();
 
         let start = Instant::now();
-        let estimate = ResidentScene::bytes(&flat, scene) + tree.stats().bytes as u64;
+        let stats = tree.stats();
+        let estimate = ResidentScene::bytes(&flat, scene) + stats.bytes as u64;
         device.reserve(estimate, "the scene")?;
         let resident = ResidentScene::upload(device, &flat, scene)?;
         let structure = Resident::upload(device, &tree)?;
@@ -125,7 +126,7 @@ impl Tracer {
             dropped,
             vertices: flat.positions.len(),
             bounds,
-            tree: tree.stats(),
+            tree: stats,
             device_bytes: estimate,
             flatten_seconds,
             build_seconds,
@@ -145,7 +146,7 @@ impl Tracer {
         &self.camera
     }
 
-    /// Renders a picture and calls `progress` several times a second. The same scene, camera, options and seed give
+    /// Renders a picture and calls `progress` after each launch, which aims at a tenth of a second. The same scene, camera, options and seed give
     /// the same picture on every device.
     ///
     /// # Errors

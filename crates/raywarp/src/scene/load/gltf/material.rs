@@ -13,6 +13,7 @@ use super::super::LoadError;
 use super::phong::{at_most, reflectance_of, Surface};
 use super::texture::{self, Slot};
 use super::Reader;
+use crate::image::srgb_to_linear;
 use crate::scene::{AlphaMode, Material, NormalMap, Texture};
 
 /// A material that was read.
@@ -139,7 +140,7 @@ fn dielectric(reader: &mut Reader, json: &JsonMaterial) -> Result<[f32; 3], Load
     let strength = unit(specular.specular_factor.0) * mean(reader, specular.specular_texture.as_ref())?[3];
     let color = mean(reader, specular.specular_color_texture.as_ref())?;
     let factor = specular.specular_color_factor.0;
-    Ok(std::array::from_fn(|c| unit(normal * strength * linear_from_srgb(color[c]) * factor[c])))
+    Ok(std::array::from_fn(|c| unit(normal * strength * srgb_to_linear(color[c]) * factor[c])))
 }
 
 fn glossy(
@@ -153,7 +154,7 @@ fn glossy(
         base,
         metallic: 0.0,
         roughness: 1.0 - unit(glossiness.glossiness_factor.0) * mean[3],
-        dielectric: std::array::from_fn(|c| unit(specular[c] * linear_from_srgb(mean[c]))),
+        dielectric: std::array::from_fn(|c| unit(specular[c] * srgb_to_linear(mean[c]))),
         transmission: 0.0,
         ior: 1.0,
     })
@@ -205,12 +206,4 @@ fn alpha_mode(json: &JsonMaterial) -> AlphaMode {
 
 fn unit(value: f32) -> f32 {
     at_most(1.0, value)
-}
-
-/// IEC 61966-2-1.
-fn linear_from_srgb(value: f32) -> f32 {
-    match value <= 0.04045 {
-        true => value / 12.92,
-        false => ((value + 0.055) / 1.055).powf(2.4),
-    }
 }

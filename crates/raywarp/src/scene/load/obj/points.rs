@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::image::srgb_to_linear;
 use crate::scene::load::text::{parse_f32, Statement, Statements};
 use crate::scene::load::{LoadError, Sources};
 
@@ -151,8 +152,5 @@ fn linear(color: [f32; 3]) -> [f32; 3] {
     if !color.iter().all(|x| x.is_finite()) {
         return WHITE;
     }
-    color.map(|x| match x.max(0.0) {
-        x if x <= 0.040_45 => x / 12.92,
-        x => ((x + 0.055) / 1.055).powf(2.4),
-    })
+    color.map(|x| srgb_to_linear(x.max(0.0)))
 }

@@ -3,6 +3,7 @@
 use ply_rs_bw::ply::{PropertyType, ScalarType};
 
 use super::header::Element;
+use crate::image::srgb_to_linear_precise;
 
 /// Values of one vertex before conversion, by slot.
 pub(super) type Row = [f64; SLOTS];
@@ -81,7 +82,7 @@ impl Vertices {
         let linear = match self.color_scale[channel] {
             None => value.max(0.0),
             Some(scale) if channel == 3 => (value / scale).max(0.0),
-            Some(scale) => linear_from_srgb((value / scale).clamp(0.0, 1.0)),
+            Some(scale) => srgb_to_linear_precise((value / scale).clamp(0.0, 1.0)),
         };
         linear.min(if channel == 3 { 1.0 } else { f64::from(f32::MAX) }) as f32
     }
@@ -114,13 +115,5 @@ fn color_scale(element: &Element, slots: &[Option<usize>], slot: usize) -> Optio
         PropertyType::Scalar(ScalarType::UShort) => Some(f64::from(u16::MAX)),
         // Colours declared as int or uint are 0 to 255 all the same.
         PropertyType::Scalar(_) => Some(255.0),
-    }
-}
-
-/// IEC 61966-2-1.
-fn linear_from_srgb(value: f64) -> f64 {
-    match value <= 0.04045 {
-        true => value / 12.92,
-        false => ((value + 0.055) / 1.055).powf(2.4),
     }
 }
