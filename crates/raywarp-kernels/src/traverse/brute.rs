@@ -18,7 +18,7 @@ impl Structure for Brute {
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         for index in 0..self.triangles.len() {
             counter.triangle();
-            if visitor.visit(&self.triangles.load(index)) < ray.t_min {
+            if visitor.visit(ray, &self.triangles.load(index)) < ray.t_min {
                 return;
             }
         }

@@ -113,7 +113,7 @@ impl Structure for Bvh2 {
             }
             for index in next.index()..next.index() + next.count() {
                 counter.triangle();
-                t_far = visitor.visit(&self.triangles.load(index));
+                t_far = visitor.visit(ray, &self.triangles.load(index));
                 if t_far < ray.t_min {
                     return;
                 }

@@ -145,7 +145,7 @@ impl Structure for KdTree {
             }
             for reference in node.first()..node.first() + node.count() {
                 counter.triangle();
-                t_far = visitor.visit(&self.triangles.load(self.references.at(reference)));
+                t_far = visitor.visit(ray, &self.triangles.load(self.references.at(reference)));
                 if t_far < ray.t_min {
                     return;
                 }

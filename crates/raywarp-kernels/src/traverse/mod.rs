@@ -29,7 +29,8 @@ pub trait Structure: Copy {
 /// that is called instead makes the CPU more than twice as slow.
 pub trait Visitor {
     /// Looks at a triangle and answers how far along the ray it is still of interest: [`ENOUGH`] ends the traversal.
-    fn visit(&mut self, triangle: &Triangle) -> f32;
+    /// `ray` is the traversal's, in the space of the triangle.
+    fn visit(&mut self, ray: &Ray, triangle: &Triangle) -> f32;
 }
 
 /// What traversal did, if anyone wants to know: [`Uncounted`] costs nothing.
@@ -102,7 +103,7 @@ pub fn closest(structure: &impl Structure, ray: &Ray, previous: &Hit, counter: &
     // Not `max`, which would lose a NaN: such a ray hits nothing.
     let t_min = if previous.t > ray.t_min { previous.t } else { ray.t_min };
     let ray = Ray { t_min, ..*ray };
-    let mut nearest = Nearest { ray: &ray, previous, best: Hit { t: ray.t_max, ..Hit::NONE } };
+    let mut nearest = Nearest { previous, best: Hit { t: ray.t_max, ..Hit::NONE } };
     structure.traverse(&ray, counter, &mut nearest);
     if nearest.best.is_miss() {
         Hit::NONE
@@ -113,16 +114,15 @@ pub fn closest(structure: &impl Structure, ray: &Ray, previous: &Hit, counter: &
 
 /// Keeps the first hit after another.
 struct Nearest<'a> {
-    ray: &'a Ray,
     previous: &'a Hit,
     best: Hit,
 }
 
 impl Visitor for Nearest<'_> {
     #[inline(always)]
-    fn visit(&mut self, triangle: &Triangle) -> f32 {
-        if let Some(hit) = triangle.intersect(self.ray) {
-            if hit.t >= self.ray.t_min && hit.precedes(&self.best) && self.previous.precedes(&hit) {
+    fn visit(&mut self, ray: &Ray, triangle: &Triangle) -> f32 {
+        if let Some(hit) = triangle.intersect(ray) {
+            if hit.t >= ray.t_min && hit.precedes(&self.best) && self.previous.precedes(&hit) {
                 self.best = hit;
             }
         }
@@ -148,23 +148,22 @@ pub enum Occlusion {
 #[inline(always)]
 pub fn occlusion(structure: &impl Structure, ray: &Ray, counter: &mut impl Counter) -> Occlusion {
     counter.ray();
-    let mut obstacle = Obstacle { ray, found: Occlusion::Clear };
+    let mut obstacle = Obstacle { found: Occlusion::Clear };
     structure.traverse(ray, counter, &mut obstacle);
     obstacle.found
 }
 
 /// Stops at the first opaque hit.
-struct Obstacle<'a> {
-    ray: &'a Ray,
+struct Obstacle {
     found: Occlusion,
 }
 
-impl Visitor for Obstacle<'_> {
+impl Visitor for Obstacle {
     #[inline(always)]
-    fn visit(&mut self, triangle: &Triangle) -> f32 {
-        let hit = triangle.intersect(self.ray).filter(|hit| hit.t >= self.ray.t_min && hit.t <= self.ray.t_max);
+    fn visit(&mut self, ray: &Ray, triangle: &Triangle) -> f32 {
+        let hit = triangle.intersect(ray).filter(|hit| hit.t >= ray.t_min && hit.t <= ray.t_max);
         if hit.is_none() {
-            return self.ray.t_max;
+            return ray.t_max;
         }
         if triangle.flags & (flags::CUTOUT | flags::TRANSPARENT) == 0 {
             self.found = Occlusion::Blocked;
@@ -174,7 +173,7 @@ impl Visitor for Obstacle<'_> {
         if self.found == Occlusion::Clear {
             self.found = Occlusion::Filtered;
         }
-        self.ray.t_max
+        ray.t_max
     }
 }
 

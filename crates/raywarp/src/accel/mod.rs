@@ -16,6 +16,7 @@ mod error;
 pub mod kdtree;
 pub mod kdtree_median;
 mod kind;
+mod quality;
 mod resident;
 mod stats;
 mod triangles;
@@ -27,6 +28,7 @@ use raywarp_kernels::triangle::Triangle;
 
 pub use error::{BuildError, Invalid};
 pub use kind::{AccelKind, UnknownKind};
+pub use quality::{Build, Quality, UnknownQuality};
 pub(crate) use resident::{with_structure, Resident};
 pub use stats::{TreeStats, NODE_COST, TRIANGLE_COST};
 pub use triangles::{sift, Dropped};
@@ -48,8 +50,8 @@ impl Accel {
     ///
     /// # Errors
     /// More triangles than an index of the structure can tell apart.
-    pub fn build(kind: AccelKind, triangles: Vec<Triangle>) -> Result<Self, BuildError> {
-        Ok(match kind {
+    pub fn build(what: impl Into<Build>, triangles: Vec<Triangle>) -> Result<Self, BuildError> {
+        Ok(match what.into().kind {
             AccelKind::Brute => Self::Brute(brute::Brute::new(triangles)?),
             AccelKind::Kd => Self::Kd(kdtree_median::build(triangles)?),
             AccelKind::Bvh => Self::Bvh(bvh2_binned::build(triangles)?),

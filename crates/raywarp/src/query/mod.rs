@@ -2,19 +2,20 @@
 
 use raywarp_kernels::kernels::{Closest, Kernel, Occluded};
 
-use crate::accel::{sift, with_structure, Accel, AccelKind, BuildError, Resident};
+use crate::accel::{sift, with_structure, Accel, Build, BuildError, Resident};
 use crate::backend::{Device, DeviceError};
 use crate::{Hit, Ray, Triangle};
 
 /// Triangles on a device, ready to be asked.
 ///
 /// ```
+/// use raywarp::accel::AccelKind;
 /// use raywarp::backend::{Device, DeviceChoice};
 /// use raywarp::query::RayCaster;
 /// use raywarp::{Ray, Triangle, Vec3};
 ///
 /// let floor = Triangle::new([0.0, 0.0, 0.0].into(), [1.0, 0.0, 0.0].into(), [0.0, 0.0, 1.0].into(), 7, 0);
-/// let caster = RayCaster::new(vec![floor], Default::default(), &Device::open(DeviceChoice::Cpu)?)?;
+/// let caster = RayCaster::new(vec![floor], AccelKind::default(), &Device::open(DeviceChoice::Cpu)?)?;
 /// let down = Ray::new(Vec3::new(0.25, 2.0, 0.25), Vec3::new(0.0, -1.0, 0.0));
 /// let hits = caster.closest(&[down])?;
 /// assert_eq!((hits[0].primitive, hits[0].t), (7, 2.0));
@@ -42,8 +43,8 @@ impl RayCaster {
     ///
     /// # Errors
     /// Too many triangles for the structure or for the device's memory.
-    pub fn new(triangles: Vec<Triangle>, kind: AccelKind, device: &Device) -> Result<Self, QueryError> {
-        let tree = Accel::build(kind, sift(triangles).0)?;
+    pub fn new(triangles: Vec<Triangle>, what: impl Into<Build>, device: &Device) -> Result<Self, QueryError> {
+        let tree = Accel::build(what, sift(triangles).0)?;
         Ok(Self { structure: Resident::upload(device, &tree)?, device: device.clone() })
     }
 

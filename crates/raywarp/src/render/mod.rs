@@ -18,7 +18,7 @@ use raywarp_kernels::shade::whitted::Limits;
 use raywarp_kernels::traverse::Tests;
 use raywarp_kernels::view::ViewMut;
 
-use crate::accel::{sift, Accel, AccelKind, Dropped, Resident, TreeStats};
+use crate::accel::{sift, Accel, Build, Dropped, Resident, TreeStats};
 use crate::backend::{Buffer, Device};
 use crate::image::Picture;
 use crate::scene::{Camera, Scene};
@@ -97,7 +97,7 @@ impl Tracer {
     ///
     /// # Errors
     /// [`RenderError`] where the scene is too large for the structure or for the device's memory.
-    pub fn new(scene: &Scene, accel: AccelKind, device: &Device) -> Result<Self, RenderError> {
+    pub fn new(scene: &Scene, accel: impl Into<Build>, device: &Device) -> Result<Self, RenderError> {
         let start = Instant::now();
         let mut flat = Flat::of(scene)?;
         let (triangles, dropped) = sift(std::mem::take(&mut flat.triangles));
