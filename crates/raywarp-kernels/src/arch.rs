@@ -79,6 +79,171 @@ unsafe fn load_granules<T: Copy>(from: *const T) -> T {
     unsafe { item.assume_init() }
 }
 
+/// Four bytes out of eight, those of `a` being 0 to 3 and those of `b` 4 to 7: each digit of `selector`, from the lowest,
+/// names the next byte of the result.
+#[inline(always)]
+pub fn permute(a: u32, b: u32, selector: u32) -> u32 {
+    #[cfg(target_arch = "nvptx64")]
+    {
+        let result: u32;
+        // SAFETY: an operation on registers.
+        unsafe {
+            core::arch::asm!("prmt.b32 {r}, {a}, {b}, {s};", r = out(reg32) result, a = in(reg32) a, b = in(reg32) b,
+                s = in(reg32) selector, options(pure, nomem, nostack));
+        }
+        result
+    }
+    #[cfg(not(target_arch = "nvptx64"))]
+    {
+        let bytes = (b as u64) << 32 | a as u64;
+        let byte = |i: u32| ((bytes >> (8 * (selector >> (4 * i) & 7))) as u32 & 0xff) << (8 * i);
+        byte(0) | byte(1) | byte(2) | byte(3)
+    }
+}
+
+/// Whether all threads that run together have the same value; on the CPU each runs alone.
+#[inline(always)]
+pub fn uniform(value: u32) -> bool {
+    #[cfg(target_arch = "nvptx64")]
+    {
+        let same: u32;
+        // SAFETY: `activemask` names exactly the threads that take part.
+        unsafe {
+            core::arch::asm!(
+                "{{ .reg .pred p; .reg .b32 m, d; activemask.b32 m; match.all.sync.b32 d|p, {v}, m; selp.u32 {r}, 1, 0, p; }}",
+                v = in(reg32) value, r = out(reg32) same, options(nostack));
+        }
+        same != 0
+    }
+    #[cfg(not(target_arch = "nvptx64"))]
+    {
+        let _ = value;
+        true
+    }
+}
+
+/// A stack of links to nodes that are still to be visited, with [`Links::END`] at its bottom.
+///
+/// On the GPU it is addressed within the thread's local memory, and its every step is predicated: as plain code each
+/// would be a branch, where the threads of a warp part.
+pub struct Links<'a, const N: usize> {
+    #[cfg(target_arch = "nvptx64")]
+    top: u32,
+    #[cfg(not(target_arch = "nvptx64"))]
+    top: usize,
+    room: &'a mut [core::mem::MaybeUninit<u32>; N],
+}
+
+/// A box as a ray meets it: from `first` to `last`, and not at all where `first > last`; and what is in it.
+#[derive(Clone, Copy)]
+pub struct Meeting {
+    /// Distance to where it is entered.
+    pub first: f32,
+    /// Distance to where it is left.
+    pub last: f32,
+    /// What is in it, as the stack keeps it.
+    pub link: u32,
+}
+
+impl<'a, const N: usize> Links<'a, N> {
+    /// No link is left.
+    pub const END: u32 = u32::MAX;
+
+    /// With nothing on it. `N` is one more than the links that are ever put aside at once.
+    #[inline(always)]
+    pub fn new(room: &'a mut [core::mem::MaybeUninit<u32>; N]) -> Self {
+        #[cfg(target_arch = "nvptx64")]
+        {
+            let top: u32;
+            // SAFETY: the room is on the thread's stack, which is local memory; its address there fits 32 bits.
+            unsafe {
+                core::arch::asm!(
+                    "{{ .reg .b64 a; cvta.to.local.u64 a, {p}; cvt.u32.u64 {s}, a; st.local.u32 [{s}], -1; add.u32 {s}, {s}, 4; }}",
+                    p = in(reg64) room.as_mut_ptr(), s = out(reg32) top, options(nostack));
+            }
+            Self { top, room }
+        }
+        #[cfg(not(target_arch = "nvptx64"))]
+        {
+            room[0].write(Self::END);
+            Self { top: 1, room }
+        }
+    }
+
+    /// Of two children the one that is met first, after putting the other aside where both are met; where neither is,
+    /// the last link put aside.
+    ///
+    /// # Safety
+    /// At most `N - 1` links are ever put aside at once.
+    #[inline(always)]
+    pub unsafe fn descend(&mut self, a: Meeting, b: Meeting) -> u32 {
+        #[cfg(target_arch = "nvptx64")]
+        {
+            let next: u32;
+            // SAFETY: `top` stays within the room: `END` is popped at most once, and the caller bounds the rest.
+            unsafe {
+                core::arch::asm!("{{ .reg .pred a, b, q, both, any; .reg .b32 f;",
+                    "setp.le.f32 a, {fa}, {la};",
+                    "setp.le.f32 b, {fb}, {lb};",
+                    "setp.lt.and.f32 q, {fb}, {fa}, b;",
+                    "not.pred any, a;",
+                    "or.pred q, q, any;",
+                    "and.pred both, a, b;",
+                    "or.pred any, a, b;",
+                    "selp.b32 {n}, {cb}, {ca}, q;",
+                    "selp.b32 f, {ca}, {cb}, q;",
+                    "@both st.local.u32 [{top}], f;",
+                    "@both add.u32 {top}, {top}, 4;",
+                    "@!any sub.u32 {top}, {top}, 4;",
+                    "@!any ld.local.u32 {n}, [{top}]; }}",
+                    fa = in(reg32) a.first, la = in(reg32) a.last, fb = in(reg32) b.first, lb = in(reg32) b.last,
+                    ca = in(reg32) a.link, cb = in(reg32) b.link, n = out(reg32) next, top = inout(reg32) self.top,
+                    options(nostack));
+            }
+            next
+        }
+        #[cfg(not(target_arch = "nvptx64"))]
+        {
+            let (met_a, met_b) = (a.first <= a.last, b.first <= b.last);
+            if !met_a && !met_b {
+                // SAFETY: the caller's promise.
+                return unsafe { self.pop() };
+            }
+            let (near, far) = if met_b && (!met_a || b.first < a.first) { (b, a) } else { (a, b) };
+            if met_a && met_b {
+                // SAFETY: the caller's promise.
+                unsafe { self.room.get_unchecked_mut(self.top) }.write(far.link);
+                self.top += 1;
+            }
+            near.link
+        }
+    }
+
+    /// The last link put aside, or [`END`](Self::END), once.
+    ///
+    /// # Safety
+    /// `END` was not popped before.
+    #[inline(always)]
+    pub unsafe fn pop(&mut self) -> u32 {
+        #[cfg(target_arch = "nvptx64")]
+        {
+            let link: u32;
+            // SAFETY: the caller's promise keeps `top` above the bottom.
+            unsafe {
+                core::arch::asm!("sub.u32 {top}, {top}, 4;", "ld.local.u32 {n}, [{top}];", n = out(reg32) link,
+                    top = inout(reg32) self.top, options(nostack));
+            }
+            link
+        }
+        #[cfg(not(target_arch = "nvptx64"))]
+        {
+            self.top -= 1;
+            // SAFETY: the caller's promise; everything below the former top was written.
+            unsafe { self.room.get_unchecked(self.top).assume_init() }
+        }
+    }
+}
+
 /// Which thread of the launch this is, on the GPU. On the CPU the launch loop supplies it.
 #[cfg(target_arch = "nvptx64")]
 #[inline(always)]

@@ -2,24 +2,36 @@
 
 use core::mem::MaybeUninit;
 
-/// At most `N` items. A tree deeper than `N` is refused before it gets here.
-pub(crate) struct Stack<T, const N: usize> {
-    // Not initialised: on the GPU that would be `N` stores to memory for every ray.
-    items: [MaybeUninit<T>; N],
-    len: usize,
-}
+/// Room for at most `N` items, not initialised: on the GPU that would be `N` stores to memory for every ray.
+///
+/// It is apart from the [`Stack`] so that the stack's length stays in a register: an array that is indexed lies in
+/// memory, with all of the object that it belongs to.
+pub(crate) struct Room<T, const N: usize>([MaybeUninit<T>; N]);
 
-impl<T: Copy, const N: usize> Stack<T, N> {
+impl<T, const N: usize> Room<T, N> {
     #[inline(always)]
     pub fn new() -> Self {
-        Self { items: [const { MaybeUninit::uninit() }; N], len: 0 }
+        Self([const { MaybeUninit::uninit() }; N])
+    }
+}
+
+/// A stack within a [`Room`].
+pub(crate) struct Stack<'a, T, const N: usize> {
+    items: &'a mut [MaybeUninit<T>; N],
+    len: u32,
+}
+
+impl<'a, T: Copy, const N: usize> Stack<'a, T, N> {
+    #[inline(always)]
+    pub fn new(room: &'a mut Room<T, N>) -> Self {
+        Self { items: &mut room.0, len: 0 }
     }
 
     /// An item beyond the last place is dropped. Trees are never that deep (`validate` sees to it); see `shade::whitted`
     /// for rays.
     #[inline(always)]
     pub fn push(&mut self, item: T) {
-        if let Some(place) = self.items.get_mut(self.len) {
+        if let Some(place) = self.items.get_mut(self.len as usize) {
             place.write(item);
             self.len += 1;
         }
@@ -29,6 +41,6 @@ impl<T: Copy, const N: usize> Stack<T, N> {
     pub fn pop(&mut self) -> Option<T> {
         self.len = self.len.checked_sub(1)?;
         // SAFETY: `push` wrote every item below the former length, which never exceeds `N`.
-        Some(unsafe { self.items.get_unchecked(self.len).assume_init() })
+        Some(unsafe { self.items.get_unchecked(self.len as usize).assume_init() })
     }
 }

@@ -1,7 +1,13 @@
-//! The ray-triangle test: Möller and Trumbore 1997, made watertight.
+//! The ray-triangle test: the determinants of Möller and Trumbore 1997, made watertight after Woop, Benthin and Wald 2013.
+//!
+//! Möller and Trumbore solve `origin + t direction = (1 - u - v) v0 + u v1 + v v2` by Cramer's rule. In single precision
+//! two triangles round the determinants of a shared edge differently, and a ray passes between them. Here the corners are
+//! first sheared along the ray and rounded, each by itself, so that every triangle of a mesh sees the same ones. The ray
+//! is then the axis `x = y = 0`, each determinant is the difference of two products, and its sign is found exactly: the
+//! mesh of rounded corners has no gaps.
 
 use crate::arch;
-use crate::math::Vec3;
+use crate::math::{vec3, Vec3};
 use crate::ray::{Hit, Ray};
 
 /// What a triangle lets through, as bits of [`Triangle::flags`].
@@ -10,6 +16,39 @@ pub mod flags {
     pub const CUTOUT: u32 = 1;
     /// It lets light through: a shadow ray that meets it is filtered, not stopped.
     pub const TRANSPARENT: u32 = 2;
+}
+
+/// A ray as an axis: it is made once and asked about many triangles.
+#[derive(Clone, Copy, Debug)]
+pub struct Across {
+    /// The ray itself.
+    pub ray: Ray,
+    /// Give the two coordinates across the ray of a point relative to its origin.
+    x: Vec3,
+    y: Vec3,
+    /// Gives the coordinate along it, in units of the direction.
+    along: Vec3,
+}
+
+impl Across {
+    /// Shears along the largest component of the direction. A direction that is zero, infinite or NaN meets nothing.
+    #[inline(always)]
+    pub fn new(ray: &Ray) -> Self {
+        let d = ray.direction;
+        let (ax, ay, az) = (d.x.abs(), d.y.abs(), d.z.abs());
+        let along_x = ax >= ay && ax >= az;
+        let along_y = !along_x && ay >= az;
+        let select = |x, y, z| if along_x { x } else if along_y { y } else { z };
+        let largest: f32 = select(d.x, d.y, d.z);
+        let inverse = if largest.abs() < f32::INFINITY { 1.0 / largest } else { f32::NAN };
+        let (a, b) = (-select(d.y, d.z, d.x) * inverse, -select(d.z, d.x, d.y) * inverse);
+        Self {
+            ray: *ray,
+            x: vec3(select(a, 0.0, 1.0), select(1.0, a, 0.0), select(0.0, 1.0, a)),
+            y: vec3(select(b, 1.0, 0.0), select(0.0, b, 1.0), select(1.0, 0.0, b)),
+            along: vec3(select(inverse, 0.0, 0.0), select(0.0, inverse, 0.0), select(0.0, 0.0, inverse)),
+        }
+    }
 }
 
 /// A triangle as traversal reads it: by value, in the order of the leaves.
@@ -26,24 +65,13 @@ pub struct Triangle {
     pub primitive: u32,
     /// See [`flags`].
     pub flags: u32,
-    /// Largest component of any edge: the scale of the rounding errors, see [`Triangle::intersect`].
+    /// Largest component of any edge: the scale by which boxes are padded.
     pub extent: f32,
 }
 
-/// How far from zero u, v and w must be for their sign to be that of the exact value, in units of the largest product
-/// of three factors. Counted in roundings, of 2^-24 each:
-/// - a determinant is six such products, rounded in the edge and in `s` (2 each), in the vector product (1 or 2) and in
-///   the scalar product (1 to 3): 6 * (2 + 1.5 + 2) = 33;
-/// - w sums three determinants, and the sum of two of them, at most 12 products, is rounded: 3 * 33 + 12 = 111;
-/// - `decide` moves each corner by a rounding of its distance from the ray, at most two edges if it
-///   then finds the ray inside: 2 products of 2 factors, each 2 * 2: 16.
-///
-/// The last lets neighbours disagree on nothing: a triangle that `decide` would accept is never refused without it.
-const ROUNDING: f32 = 128.0 / 16_777_216.0;
-
-/// Doubt for each unit of distance or direction: below 2^-126 a rounding of the product of two factors is not relative,
-/// but at most 2^-149, to be multiplied by the third.
-const VANISHING: f32 = f32::from_bits((127 - 120) << 23);
+/// An edge function closer to zero than this may have lost its sign to underflow: below it a product is not rounded
+/// relative to itself.
+const TINY: f32 = f32::MIN_POSITIVE;
 
 impl Triangle {
     /// From its corners; any floats are legal, a triangle with NaN or without area is never hit.
@@ -54,119 +82,104 @@ impl Triangle {
 
     /// Where the ray meets the triangle, from either side, whatever the ray's `t_min` and `t_max`.
     ///
-    /// Möller and Trumbore solve `s = t(-d) + u e1 + v e2` with `s = o - v0` by Cramer's rule. In single precision two
-    /// triangles round the determinants of a shared edge differently, and a ray could pass between them. So where
-    /// u, v or w is too close to zero to trust its sign, `decide` does: there neighbours compute the
-    /// shared edge from the same numbers and cannot both say no.
+    /// A ray that runs exactly through an edge or a corner belongs to one of the triangles on both sides, as a point
+    /// does when polygons are filled: it is filtered, mixed and counted once.
     #[inline(always)]
-    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+    pub fn intersect(&self, across: &Across) -> Option<Hit> {
+        let origin = across.ray.origin;
+        let (p, q, r) = (self.v0 - origin, self.v1 - origin, self.v2 - origin);
+        let project = |v: Vec3| Flat { x: v.dot(across.x), y: v.dot(across.y) };
+        let (a, b, c) = (project(p), project(q), project(r));
+        // A difference of two rounded products is zero or has the sign of the exact one.
+        let edge = |a: Flat, b: Flat| a.x * b.y - a.y * b.x;
+        let (mut u, mut v, mut w) = (edge(c, b), edge(a, c), edge(b, a));
+        // As integers: the smallest, or of negative ones that closest to zero; the largest, or the most negative.
+        let (low, high) = (least(least(u, v), w), greatest(greatest(u, v), w));
+        if low < -TINY && high > TINY {
+            return None;
+        }
+        let mut det = u + v + w;
+        let certain = (low > TINY || (low < -TINY && high < 0.0)) && det.abs() < f32::INFINITY;
+        if !certain {
+            [u, v, w] = decide(a, b, c)?;
+            det = u + v + w;
+        }
+        // Weights first: they are at most 1, whatever the units.
+        let inverse = 1.0 / det;
+        let (u, v, w) = (u * inverse, v * inverse, w * inverse);
+        let along = |v: Vec3| v.dot(across.along);
+        let t = arch::fma(u, along(p), arch::fma(v, along(q), w * along(r)));
+        Some(Hit { t, u: v, v: w, primitive: self.primitive })
+    }
+
+    /// Möller and Trumbore's own form, as in the paper: Cramer's rule on `s = t(-d) + u e1 + v e2`.
+    ///
+    /// It differs from [`intersect`](Self::intersect) by roundings, which for a small triangle far away are large, and
+    /// rays slip through edges. Kept as the paper's and as a check; nothing renders with it.
+    pub fn moller_trumbore(&self, ray: &Ray) -> Option<Hit> {
         let (d, s) = (ray.direction, ray.origin - self.v0);
         let (e1, e2) = (self.v1 - self.v0, self.v2 - self.v0);
         let p = d.cross(e2);
-        let det = e1.dot(p);
-        let sign = f32::from_bits(det.to_bits() & 0x8000_0000 | 0x3f80_0000);
-        let u = s.dot(p) * sign;
         let q = s.cross(e1);
-        let v = d.dot(q) * sign;
-        let w = det.abs() - u - v;
-        let (length, distance) = (d.max_abs(), arch::max(s.max_abs(), self.extent));
-        // In this order it overflows before anything above does: then nothing is certain.
-        let largest = 8.0 * self.extent * distance * length;
-        let doubt = arch::fma(largest, ROUNDING / 8.0, VANISHING * (length + distance + 1.0));
-        let least = arch::min(arch::min(u, v), w);
-        if least < -doubt {
-            return None;
-        }
-        if least > doubt {
-            let inverse = 1.0 / det.abs();
-            // Scaled first: `e2 . q` vanishes for triangles of 1e-13.
-            let t = e2.dot(q * (sign * inverse));
-            return Some(Hit { t, u: u * inverse, v: v * inverse, primitive: self.primitive });
-        }
-        // Copies, so that only this rare case has the two in memory and not in registers.
-        let (triangle, ray) = (*self, *ray);
-        triangle.decide(&ray)
-    }
-
-    /// The same question in the plane across the ray, after Woop, Benthin and Wald 2013.
-    ///
-    /// The corners are sheared along the ray and rounded to single precision, each by itself, so that every triangle of
-    /// a mesh sees the same ones. In the plane the products of two coordinates are then exact in double precision and
-    /// so are the signs of the edge functions: the mesh of rounded corners has no gaps. A ray that runs exactly through
-    /// an edge or a corner belongs to one of the triangles on both sides, as a point does when polygons are filled: it
-    /// is filtered, mixed and counted once.
-    #[cold]
-    #[inline(never)]
-    fn decide(&self, ray: &Ray) -> Option<Hit> {
-        let plane = Across::new(ray);
-        let [a, b, c] = [self.v0, self.v1, self.v2].map(|v| plane.project(v));
-        let (w, u, v) = (edge(b, c), edge(c, a), edge(a, b));
-        let det = u + v + w;
-        let inside = owns(w, b, c, det) && owns(u, c, a, det) && owns(v, a, b, det);
-        if !inside || det == 0.0 {
-            return None;
-        }
-        let inverse = 1.0 / det;
-        let t = ((w * a.t + u * b.t + v * c.t) * inverse) as f32;
-        let (u, v) = ((u * inverse) as f32, (v * inverse) as f32);
-        let finite = t.abs() < f32::INFINITY && ray.direction.max_abs() < f32::INFINITY;
-        finite.then_some(Hit { t, u, v, primitive: self.primitive })
+        let inverse = 1.0 / e1.dot(p);
+        let (u, v) = (s.dot(p) * inverse, d.dot(q) * inverse);
+        let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
+        inside.then(|| Hit { t: e2.dot(q) * inverse, u, v, primitive: self.primitive })
     }
 }
 
-/// A ray as an axis: points are told by where they lie along it and across it.
-struct Across {
-    /// The direction's largest component and the two others.
-    axes: [u32; 3],
-    origin: Vec3,
-    inverse: f64,
-    /// Of the two other components to the largest.
-    slope: [f64; 2],
-}
-
-/// A point along and across a ray.
+/// A corner in the plane across the ray.
 #[derive(Clone, Copy)]
-struct Projected {
-    t: f64,
-    /// In single precision.
-    x: f64,
-    y: f64,
+struct Flat {
+    x: f32,
+    y: f32,
 }
 
-impl Across {
-    fn new(ray: &Ray) -> Self {
-        let d = ray.direction;
-        let (x, y, z) = (d.x.abs(), d.y.abs(), d.z.abs());
-        let axes = match (x >= y && x >= z, y >= z) {
-            (true, _) => [0, 1, 2],
-            (false, true) => [1, 2, 0],
-            (false, false) => [2, 0, 1],
-        };
-        let inverse = 1.0 / d[axes[0]] as f64;
-        let slope = [d[axes[1]] as f64 * inverse, d[axes[2]] as f64 * inverse];
-        Self { axes, origin: ray.origin, inverse, slope }
+/// The edge functions where one of them is zero, has vanished or has overflowed; none where the ray is outside.
+#[cold]
+#[inline(always)]
+fn decide(a: Flat, b: Flat, c: Flat) -> Option<[f32; 3]> {
+    let largest = [a, b, c].iter().fold(0.0, |m, p| arch::max(m, arch::max(p.x.abs(), p.y.abs())));
+    let finite = [a, b, c].iter().all(|p| p.x.abs() < f32::INFINITY && p.y.abs() < f32::INFINITY);
+    if !finite {
+        return None;
     }
-
-    fn project(&self, point: Vec3) -> Projected {
-        let from_origin = |axis: u32| point[axis] as f64 - self.origin[axis] as f64;
-        let along = from_origin(self.axes[0]);
-        let across = |i: usize| (from_origin(self.axes[i + 1]) - self.slope[i] * along) as f32 as f64;
-        Projected { t: along * self.inverse, x: across(0), y: across(1) }
-    }
+    // A power of two that brings the largest coordinate close to 1: nothing that counts vanishes or overflows then.
+    let exponent = largest.to_bits() >> 23;
+    let scale = f32::from_bits((if exponent < 253 { 254 - exponent } else { 1 }) << 23);
+    let [a, b, c] = [a, b, c].map(|p| Flat { x: p.x * scale, y: p.y * scale });
+    let (u, v, w) = (exact_edge(c, b), exact_edge(a, c), exact_edge(b, a));
+    let det = u + v + w;
+    let inside = owns(u, c, b, det) && owns(v, a, c, det) && owns(w, b, a, det);
+    (inside && det != 0.0).then_some([u, v, w])
 }
 
-/// Twice the area between the ray and two points; of the right sign, and negated by exchanging them.
-fn edge(a: Projected, b: Projected) -> f64 {
-    a.x * b.y - a.y * b.x
+/// An edge function that is zero only where the ray is on the edge: where the products are equal when rounded, what they
+/// were rounded by decides.
+#[inline(always)]
+fn exact_edge(a: Flat, b: Flat) -> f32 {
+    let (p, q) = (a.x * b.y, a.y * b.x);
+    (p - q) + (arch::fma(a.x, b.y, -p) - arch::fma(a.y, b.x, -q))
 }
 
 /// Whether the ray is on the inner side of an edge of a triangle with twice the area `det`; if it is on the edge,
-/// whether the edge runs upwards, or level and to the right, with the triangle to its left: the neighbour sees it
+/// whether the edge runs downwards, or level and to the left, with the triangle to its left: the neighbour sees it
 /// run the other way.
-fn owns(edge: f64, from: Projected, to: Projected, det: f64) -> bool {
-    let turn = if det < 0.0 { -1.0 } else { 1.0 };
-    let (x, y) = ((to.x - from.x) * turn, (to.y - from.y) * turn);
-    edge * turn > 0.0 || (edge == 0.0 && (y > 0.0 || (y == 0.0 && x > 0.0)))
+#[inline(always)]
+fn owns(edge: f32, from: Flat, to: Flat, det: f32) -> bool {
+    let turn = |x: f32| if det < 0.0 { -x } else { x };
+    let (edge, x, y) = (turn(edge), turn(to.x - from.x), turn(to.y - from.y));
+    edge > 0.0 || (edge == 0.0 && (y > 0.0 || (y == 0.0 && x > 0.0)))
+}
+
+#[inline(always)]
+fn least(a: f32, b: f32) -> f32 {
+    f32::from_bits((a.to_bits() as i32).min(b.to_bits() as i32) as u32)
+}
+
+#[inline(always)]
+fn greatest(a: f32, b: f32) -> f32 {
+    f32::from_bits((a.to_bits() as i32).max(b.to_bits() as i32) as u32)
 }
 
 #[cfg(test)]
@@ -184,14 +197,14 @@ mod tests {
 
     #[test]
     fn barycentrics_weigh_vertices_one_and_two() {
-        let hit = unit().intersect(&down(0.5, 0.25)).unwrap();
+        let hit = unit().intersect(&Across::new(&down(0.5, 0.25))).unwrap();
         assert_eq!((hit.t, hit.u, hit.v, hit.primitive), (2.0, 0.5, 0.25, 7));
     }
 
     #[test]
     fn both_sides_are_hit() {
         let up = Ray::new(vec3(0.25, 0.25, -3.0), vec3(0.0, 0.0, 2.0));
-        let hit = unit().intersect(&up).unwrap();
+        let hit = unit().intersect(&Across::new(&up)).unwrap();
         assert_eq!((hit.t, hit.u, hit.v), (1.5, 0.25, 0.25));
     }
 
@@ -204,11 +217,11 @@ mod tests {
     fn a_shared_edge_belongs_to_one_triangle_and_beyond_is_outside() {
         for x in 1..64 {
             let ray = down(x as f32 / 64.0, 1.0 - x as f32 / 64.0);
-            let hits = [unit(), other_half()].iter().filter(|t| t.intersect(&ray).is_some()).count();
+            let hits = [unit(), other_half()].iter().filter(|t| t.intersect(&Across::new(&ray)).is_some()).count();
             assert_eq!(hits, 1, "{ray:?}");
         }
         for (x, y) in [(-1e-6, 0.5), (0.5, -1e-6), (0.500001, 0.500001), (1.000001, 0.0)] {
-            assert!(unit().intersect(&down(x, y)).is_none(), "({x}, {y})");
+            assert!(unit().intersect(&Across::new(&down(x, y))).is_none(), "({x}, {y})");
         }
     }
 
@@ -220,7 +233,7 @@ mod tests {
             let hits = (0..4).filter(|&i| {
                 let (a, b) = (rim[i], rim[(i + 1) % 4]);
                 let (a, b) = if flipped >> i & 1 == 0 { (a, b) } else { (b, a) };
-                Triangle::new(Vec3::ZERO, a, b, 0, 0).intersect(&down(0.0, 0.0)).is_some()
+                Triangle::new(Vec3::ZERO, a, b, 0, 0).intersect(&Across::new(&down(0.0, 0.0))).is_some()
             });
             assert_eq!(hits.count(), 1, "{flipped:04b}");
         }
@@ -229,12 +242,12 @@ mod tests {
     #[test]
     fn degenerate_input_is_a_miss() {
         let point = Triangle::new(Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, 0, 0);
-        assert!(point.intersect(&down(0.0, 0.0)).is_none());
+        assert!(point.intersect(&Across::new(&down(0.0, 0.0))).is_none());
         let nan = Triangle::new(vec3(f32::NAN, 0.0, 0.0), vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), 0, 0);
-        assert!(nan.intersect(&down(0.2, 0.2)).is_none());
-        assert!(unit().intersect(&Ray::new(vec3(0.2, 0.2, 1.0), Vec3::ZERO)).is_none());
-        assert!(unit().intersect(&down(f32::NAN, 0.2)).is_none());
+        assert!(nan.intersect(&Across::new(&down(0.2, 0.2))).is_none());
+        assert!(unit().intersect(&Across::new(&Ray::new(vec3(0.2, 0.2, 1.0), Vec3::ZERO))).is_none());
+        assert!(unit().intersect(&Across::new(&down(f32::NAN, 0.2))).is_none());
         let edge_on = Ray::new(vec3(-1.0, 0.25, 0.0), vec3(1.0, 0.0, 0.0));
-        assert!(unit().intersect(&edge_on).is_none());
+        assert!(unit().intersect(&Across::new(&edge_on)).is_none());
     }
 }

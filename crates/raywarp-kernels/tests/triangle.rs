@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use raywarp_kernels::math::{vec3, Vec3};
 use raywarp_kernels::ray::Ray;
-use raywarp_kernels::triangle::Triangle;
+use raywarp_kernels::triangle::{Across, Triangle};
 
 type Point = [i128; 3];
 
@@ -62,7 +62,7 @@ proptest! {
         let direction = minus(target, from);
         let (least, scale) = exact(corners, from, direction);
         let [v0, v1, v2] = corners.map(single);
-        let hit = Triangle::new(v0, v1, v2, 0, 0).intersect(&Ray::new(single(from), single(direction)));
+        let hit = Triangle::new(v0, v1, v2, 0, 0).intersect(&Across::new(&Ray::new(single(from), single(direction))));
         if (least.abs() << 24) > DECIDED * scale {
             prop_assert_eq!(hit.is_some(), least > 0, "least {} of {}", least, scale);
         }
@@ -92,7 +92,7 @@ proptest! {
         let hit = (0..valence).any(|i| {
             let (a, b) = (ring[i], ring[(i + 1) % valence]);
             let [v0, v1, v2] = match turned >> i & 1 { 0 => [apex, a, b], _ => [b, apex, a] };
-            Triangle::new(v0, v1, v2, 0, 0).intersect(&ray).is_some()
+            Triangle::new(v0, v1, v2, 0, 0).intersect(&Across::new(&ray)).is_some()
         });
         prop_assert!(hit, "{ray:?} at {target:?}");
     }
@@ -107,7 +107,7 @@ fn the_apex_of_a_square_is_met_by_rays_aimed_at_it() {
         let origin =
             vec3((i % 317) as f32 * 0.003 - 0.5, 1.0 + (i % 1009) as f32 * 0.002, (i % 211) as f32 * 0.004 - 0.4);
         let ray = Ray::new(origin, apex - origin);
-        !(0..4).any(|i| Triangle::new(apex, ring[i], ring[(i + 1) % 4], 0, 0).intersect(&ray).is_some())
+        !(0..4).any(|i| Triangle::new(apex, ring[i], ring[(i + 1) % 4], 0, 0).intersect(&Across::new(&ray)).is_some())
     });
     assert_eq!(lost.count(), 0);
 }
@@ -122,7 +122,7 @@ fn extreme_sizes_are_hit() {
             let ray = Ray::new(vec3(0.25, 0.25, 1.0) * size, vec3(0.0, 0.0, -length));
             let t = f64::from(size) / f64::from(length);
             if t < f64::from(f32::MAX) {
-                let hit = triangle.intersect(&ray).map(|hit| f64::from(hit.t));
+                let hit = triangle.intersect(&Across::new(&ray)).map(|hit| f64::from(hit.t));
                 assert!(hit.is_some_and(|found| (found - t).abs() <= 1e-6 * t + 1e-44), "{size:e} {length:e}: {hit:?}");
             }
         }

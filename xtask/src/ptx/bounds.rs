@@ -18,7 +18,9 @@ const DEFAULT: Bounds = Bounds { threads: 128, blocks: 0, registers: 0 };
 const TABLE: &[(&str, Bounds)] = &[
     ("whitted_brute", Bounds { registers: 64, ..DEFAULT }),
     ("whitted_kd", Bounds { registers: 72, ..DEFAULT }),
-    ("whitted_bvh", Bounds { registers: 128, ..DEFAULT }),
+    ("whitted_bvh2", Bounds { registers: 128, ..DEFAULT }),
+    ("closest_bvh", Bounds { registers: 64, ..DEFAULT }),
+    ("occluded_bvh", Bounds { registers: 64, ..DEFAULT }),
 ];
 
 /// The directives to put between a kernel's parameters and its body, one a line.

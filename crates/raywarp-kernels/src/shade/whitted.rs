@@ -8,7 +8,7 @@ use crate::light::Illumination;
 use crate::material::{flags, Material};
 use crate::math::{clamp, mix, power, Vec3};
 use crate::ray::{Hit, Ray};
-use crate::stack::Stack;
+use crate::stack::{Room, Stack};
 use crate::surface::{Scene, Surface};
 use crate::texture::NO_TEXTURE;
 use crate::traverse::{closest, occlusion, Counter, Occlusion, Structure, START};
@@ -60,7 +60,8 @@ pub fn trace<S: Structure, C: Counter>(
     counter: &mut C,
 ) -> (Vec3, bool) {
     let mut tracer = Tracer { structure, scene, limits, counter };
-    let mut waiting = Stack::<Branch, BRANCHES>::new();
+    let mut room = Room::new();
+    let mut waiting = Stack::new(&mut room);
     let mut branch = Branch { ray: *ray, weight: Vec3::ONE, depth: 0 };
     let (mut radiance, mut previous, mut any) = (Vec3::ZERO, START, false);
     loop {
@@ -190,7 +191,7 @@ fn scatter(
     weight: Vec3,
     surface: &Surface,
     material: &Material,
-    waiting: &mut Stack<Branch, BRANCHES>,
+    waiting: &mut Stack<'_, Branch, BRANCHES>,
 ) {
     let transparent = !material.transmission.is_zero();
     if material.reflection.is_zero() && !transparent {

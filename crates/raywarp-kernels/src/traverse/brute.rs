@@ -2,7 +2,7 @@
 
 use super::{Counter, Structure, Visitor};
 use crate::ray::Ray;
-use crate::triangle::Triangle;
+use crate::triangle::{Across, Triangle};
 use crate::view::View;
 
 /// All triangles in a row.
@@ -16,9 +16,10 @@ pub struct Brute {
 impl Structure for Brute {
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
+        let across = Across::new(ray);
         for index in 0..self.triangles.len() {
             counter.triangle();
-            if visitor.visit(ray, &self.triangles.load(index)) < ray.t_min {
+            if visitor.visit(&across, &self.triangles.load(index)) < ray.t_min {
                 return;
             }
         }

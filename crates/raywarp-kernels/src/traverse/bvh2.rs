@@ -1,10 +1,10 @@
 //! A binary bounding volume hierarchy with both child boxes in the parent (after Aila and Laine 2009).
 
+use super::binary::{walk, Boxes, Slab};
 use super::{Counter, Structure, Visitor};
-use crate::arch;
-use crate::math::{vec3, Vec3};
+use crate::arch::{self, Meeting};
+use crate::math::Vec3;
 use crate::ray::Ray;
-use crate::stack::Stack;
 use crate::triangle::Triangle;
 use crate::view::View;
 
@@ -50,6 +50,18 @@ impl Child {
     pub const fn count(self) -> u32 {
         self.0 >> 28
     }
+
+    /// The link as a number, as the stack keeps it.
+    #[inline(always)]
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// The link of a number that [`bits`](Self::bits) gave.
+    #[inline(always)]
+    pub const fn of_bits(bits: u32) -> Self {
+        Self(bits)
+    }
 }
 
 /// An inner node: 64 bytes, read as four 128-bit words.
@@ -80,105 +92,60 @@ pub struct Bvh2 {
     pub nodes: View<Node>,
     /// Triangles in the order of the leaves.
     pub triangles: View<Triangle>,
+    /// Largest distance from zero of any box, axis by axis: the scale of the rounding errors of distances.
+    pub reach: Vec3,
 }
 
 impl Structure for Bvh2 {
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
-        let slabs = Slabs::new(ray);
-        let mut stack = Stack::<Child, MAX_DEPTH>::new();
-        let mut t_far = ray.t_max;
-        let mut next = Child::node(0);
-        loop {
-            // Go down to the nearest leaf, putting the other child aside where both are entered.
-            while !next.is_leaf() {
-                counter.node();
-                let node = self.nodes.load(next.index());
-                let left = slabs.enter(node.low[0], node.high[0], t_far);
-                let right = slabs.enter(node.low[1], node.high[1], t_far);
-                let [near, far] = node.children;
-                next = match (left, right) {
-                    (Some(left), Some(right)) => {
-                        let (near, far) = if right < left { (far, near) } else { (near, far) };
-                        stack.push(far);
-                        near
-                    }
-                    (Some(_), None) => near,
-                    (None, Some(_)) => far,
-                    (None, None) => match stack.pop() {
-                        Some(child) => child,
-                        None => return,
-                    },
-                };
-            }
-            for index in next.index()..next.index() + next.count() {
-                counter.triangle();
-                t_far = visitor.visit(ray, &self.triangles.load(index));
-                if t_far < ray.t_min {
-                    return;
-                }
-            }
-            next = match stack.pop() {
-                Some(child) => child,
-                None => return,
-            };
-        }
+        walk(&Full::<ANY>::new(self, ray), self.triangles, ray, counter, visitor);
     }
 }
 
-/// A ray made ready for many boxes: each plane costs one fused step.
-struct Slabs {
+/// Instead of an octant: rays of any direction.
+pub const ANY: u32 = 8;
+
+/// The nodes as a ray sees them. `OCTANT` has a bit for each axis along which the ray runs backwards, known when the
+/// kernel is compiled: then nothing has to be selected.
+pub struct Full<const OCTANT: u32> {
+    nodes: View<Node>,
     inverse: Vec3,
-    /// `-origin * inverse`, rounded towards earlier; for the planes where a box is entered.
-    enter: Vec3,
-    /// The same rounded towards later; for the planes where a box is left.
-    leave: Vec3,
-    negative: [bool; 3],
-    t_min: f32,
+    slabs: [Slab; 3],
 }
 
-/// A few roundings of single precision, see [`Slabs::enter`].
-const SLACK: f32 = 8.0 / 16_777_216.0;
-
-impl Slabs {
+impl<const OCTANT: u32> Full<OCTANT> {
+    /// For a ray in that octant.
     #[inline(always)]
-    fn new(ray: &Ray) -> Self {
+    pub fn new(tree: &Bvh2, ray: &Ray) -> Self {
         let inverse = ray.inverse_direction();
-        let shift = -(ray.origin * inverse);
-        let slack = vec3(shift.x.abs(), shift.y.abs(), shift.z.abs()) * SLACK;
-        Self {
-            inverse,
-            enter: shift - slack,
-            leave: shift + slack,
-            negative: [inverse.x < 0.0, inverse.y < 0.0, inverse.z < 0.0],
-            t_min: ray.t_min,
+        let slab = |i: u32| Slab::new(-(ray.origin[i] * inverse[i]), tree.reach[i] * inverse[i]);
+        Self { nodes: tree.nodes, inverse, slabs: [slab(0), slab(1), slab(2)] }
+    }
+
+    #[inline(always)]
+    fn backwards(&self, axis: u32) -> bool {
+        if OCTANT == ANY {
+            self.inverse[axis] < 0.0
+        } else {
+            OCTANT >> axis & 1 != 0
         }
     }
 
-    /// Where the ray enters a box, if it does before `t_far`.
-    ///
-    /// Conservative, after Ize 2013: the distance `plane * inverse + shift` is off by at most two roundings of itself
-    /// and two of `shift`; `enter` and `leave` already hold the latter, the end holds the former. NaN, which only
-    /// infinite coordinates could make, counts as no limit.
     #[inline(always)]
-    fn enter(&self, low: Vec3, high: Vec3, t_far: f32) -> Option<f32> {
-        let select = |negative: bool, a: f32, b: f32| if negative { b } else { a };
-        let [nx, ny, nz] = self.negative;
-        let first = arch::max(
-            arch::max(
-                arch::fma(select(nx, low.x, high.x), self.inverse.x, self.enter.x),
-                arch::fma(select(ny, low.y, high.y), self.inverse.y, self.enter.y),
-            ),
-            arch::max(arch::fma(select(nz, low.z, high.z), self.inverse.z, self.enter.z), self.t_min),
-        );
-        let last = arch::min(
-            arch::min(
-                arch::fma(select(nx, high.x, low.x), self.inverse.x, self.leave.x),
-                arch::fma(select(ny, high.y, low.y), self.inverse.y, self.leave.y),
-            ),
-            arch::min(arch::fma(select(nz, high.z, low.z), self.inverse.z, self.leave.z), t_far),
-        );
-        (first <= arch::fma(last.abs(), SLACK, last)).then_some(first)
+    fn meet(&self, low: Vec3, high: Vec3, link: Child, t_min: f32, t_far: f32) -> Meeting {
+        let plane = |i: u32| if self.backwards(i) { (high[i], low[i]) } else { (low[i], high[i]) };
+        let enter = |i: u32| arch::fma(plane(i).0, self.inverse[i], self.slabs[i as usize].enter);
+        let leave = |i: u32| arch::fma(plane(i).1, self.inverse[i], self.slabs[i as usize].leave);
+        super::binary::meeting([enter(0), enter(1), enter(2)], [leave(0), leave(1), leave(2)], t_min, t_far, link.bits())
+    }
+}
+
+impl<const OCTANT: u32> Boxes for Full<OCTANT> {
+    #[inline(always)]
+    fn children(&self, index: u32, t_min: f32, t_far: f32) -> [Meeting; 2] {
+        let node = self.nodes.load(index);
+        [0, 1].map(|i| self.meet(node.low[i], node.high[i], node.children[i], t_min, t_far))
     }
 }
 

@@ -4,8 +4,8 @@ use super::{Counter, Structure, Visitor};
 use crate::arch;
 use crate::math::Vec3;
 use crate::ray::Ray;
-use crate::stack::Stack;
-use crate::triangle::Triangle;
+use crate::stack::{Room, Stack};
+use crate::triangle::{Across, Triangle};
 use crate::view::View;
 
 /// Levels that a tree may have: builders keep to it and `validate` checks it, so the stack cannot overflow.
@@ -117,9 +117,11 @@ fn later(t: f32) -> f32 {
 impl Structure for KdTree {
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
+        let across = Across::new(ray);
         let inverse = ray.inverse_direction();
         let Some((mut first, mut last)) = self.clip(ray, inverse) else { return };
-        let mut stack = Stack::<Cell, MAX_DEPTH>::new();
+        let mut room = Room::<Cell, MAX_DEPTH>::new();
+        let mut stack = Stack::new(&mut room);
         let (mut index, mut t_far) = (0, ray.t_max);
         loop {
             counter.node();
@@ -145,7 +147,7 @@ impl Structure for KdTree {
             }
             for reference in node.first()..node.first() + node.count() {
                 counter.triangle();
-                t_far = visitor.visit(ray, &self.triangles.load(self.references.at(reference)));
+                t_far = visitor.visit(&across, &self.triangles.load(self.references.at(reference)));
                 if t_far < ray.t_min {
                     return;
                 }

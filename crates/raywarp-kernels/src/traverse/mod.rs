@@ -4,16 +4,21 @@
 //! far the ray is still of interest. Every query is a few lines on top of that. The answer depends on the triangles
 //! alone, never on the structure: ties go to the smaller primitive, see [`Hit::precedes`].
 
+pub mod binary;
 pub mod brute;
 pub mod bvh2;
+pub mod compact;
 pub mod kdtree;
+pub mod octants;
 
 use crate::ray::{Hit, Ray, MISS};
-use crate::triangle::{flags, Triangle};
+use crate::triangle::{flags, Across, Triangle};
 
 pub use brute::Brute;
 pub use bvh2::Bvh2;
+pub use compact::Compact;
 pub use kdtree::KdTree;
+pub use octants::Octants;
 
 /// Answer of a visitor that has seen enough: no distance is left.
 pub const ENOUGH: f32 = f32::NEG_INFINITY;
@@ -29,8 +34,8 @@ pub trait Structure: Copy {
 /// that is called instead makes the CPU more than twice as slow.
 pub trait Visitor {
     /// Looks at a triangle and answers how far along the ray it is still of interest: [`ENOUGH`] ends the traversal.
-    /// `ray` is the traversal's, in the space of the triangle.
-    fn visit(&mut self, ray: &Ray, triangle: &Triangle) -> f32;
+    /// `across` is the traversal's ray, in the space of the triangle.
+    fn visit(&mut self, across: &Across, triangle: &Triangle) -> f32;
 }
 
 /// What traversal did, if anyone wants to know: [`Uncounted`] costs nothing.
@@ -120,9 +125,9 @@ struct Nearest<'a> {
 
 impl Visitor for Nearest<'_> {
     #[inline(always)]
-    fn visit(&mut self, ray: &Ray, triangle: &Triangle) -> f32 {
-        if let Some(hit) = triangle.intersect(ray) {
-            if hit.t >= ray.t_min && hit.precedes(&self.best) && self.previous.precedes(&hit) {
+    fn visit(&mut self, across: &Across, triangle: &Triangle) -> f32 {
+        if let Some(hit) = triangle.intersect(across) {
+            if hit.t >= across.ray.t_min && hit.precedes(&self.best) && self.previous.precedes(&hit) {
                 self.best = hit;
             }
         }
@@ -160,8 +165,9 @@ struct Obstacle {
 
 impl Visitor for Obstacle {
     #[inline(always)]
-    fn visit(&mut self, ray: &Ray, triangle: &Triangle) -> f32 {
-        let hit = triangle.intersect(ray).filter(|hit| hit.t >= ray.t_min && hit.t <= ray.t_max);
+    fn visit(&mut self, across: &Across, triangle: &Triangle) -> f32 {
+        let ray = &across.ray;
+        let hit = triangle.intersect(across).filter(|hit| hit.t >= ray.t_min && hit.t <= ray.t_max);
         if hit.is_none() {
             return ray.t_max;
         }

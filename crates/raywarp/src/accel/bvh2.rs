@@ -1,5 +1,6 @@
 //! A binary hierarchy of boxes, owned by the host.
 
+use raywarp_kernels::math::Vec3;
 use raywarp_kernels::traverse;
 use raywarp_kernels::traverse::bvh2::{Child, Node, MAX_DEPTH};
 use raywarp_kernels::triangle::Triangle;
@@ -41,7 +42,24 @@ impl Bvh2 {
 
     /// For tracing on this machine.
     pub fn view(&self) -> Borrowed<'_, traverse::Bvh2> {
-        Borrowed::new(traverse::Bvh2 { nodes: lend(&self.nodes), triangles: lend(&self.triangles) })
+        Borrowed::new(traverse::Bvh2 {
+            nodes: lend(&self.nodes),
+            triangles: lend(&self.triangles),
+            reach: self.reach(),
+        })
+    }
+
+    /// Around everything; [`Bounds::EMPTY`] where there is nothing.
+    pub(crate) fn bounds(&self) -> Bounds {
+        let Some(root) = self.nodes.first() else { return Bounds::EMPTY };
+        children_of(root).fold(Bounds::EMPTY, |all, side| all.join(&child_box(root, side)))
+    }
+
+    /// See [`traverse::Bvh2::reach`].
+    pub(crate) fn reach(&self) -> Vec3 {
+        let Bounds { low, high } = self.bounds();
+        let [x, y, z] = [0, 1, 2].map(|i| if low[i] <= high[i] { low[i].abs().max(high[i].abs()) } else { 0.0 });
+        Vec3::new(x, y, z)
     }
 
     /// Size and quality.
@@ -52,7 +70,7 @@ impl Bvh2 {
             build_seconds: self.build_seconds,
             ..TreeStats::default()
         };
-        let root = self.nodes.first().map_or(Bounds::EMPTY, |root| child_box(root, 0).join(&child_box(root, 1)));
+        let root = self.bounds();
         let mut open = vec![(0, 0, 1.0)];
         while let Some((index, above, area)) = open.pop() {
             let Some(node) = self.nodes.get(index as usize) else { continue };

@@ -11,20 +11,26 @@ pub enum AccelKind {
     Brute,
     /// The paper's k-d tree: median splits, axes in turn.
     Kd,
-    /// Binary hierarchy of boxes by the surface area heuristic.
+    /// Binary hierarchy of boxes, 64 bytes a node.
+    Bvh2,
+    /// The same on a grid of 16 bits an axis, 32 bytes a node.
+    Bvh2c,
+    /// Both, each for the rays that it suits.
     #[default]
     Bvh,
 }
 
 impl AccelKind {
     /// Every kind.
-    pub const ALL: [Self; 3] = [Self::Brute, Self::Kd, Self::Bvh];
+    pub const ALL: [Self; 5] = [Self::Brute, Self::Kd, Self::Bvh2, Self::Bvh2c, Self::Bvh];
 
     /// The name that [`FromStr`] reads.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Brute => "brute",
             Self::Kd => "kd",
+            Self::Bvh2 => "bvh2",
+            Self::Bvh2c => "bvh2c",
             Self::Bvh => "bvh",
         }
     }
@@ -38,7 +44,7 @@ impl fmt::Display for AccelKind {
 
 /// A name that belongs to no structure.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("'{0}' is no acceleration structure; expected brute, kd or bvh")]
+#[error("'{0}' is no acceleration structure; expected brute, kd, bvh2, bvh2c or bvh")]
 pub struct UnknownKind(pub String);
 
 impl FromStr for AccelKind {

@@ -12,10 +12,12 @@ mod bounds;
 pub mod brute;
 pub mod bvh2;
 pub mod bvh2_binned;
+pub mod compact;
 mod error;
 pub mod kdtree;
 pub mod kdtree_median;
 mod kind;
+pub mod octants;
 mod quality;
 mod resident;
 mod stats;
@@ -42,7 +44,11 @@ pub enum Accel {
     /// The paper's k-d tree.
     Kd(kdtree::KdTree),
     /// A binary hierarchy of boxes.
-    Bvh(bvh2::Bvh2),
+    Bvh2(bvh2::Bvh2),
+    /// The same in half the memory.
+    Bvh2c(compact::Compact),
+    /// Both.
+    Bvh(octants::Octants),
 }
 
 impl Accel {
@@ -54,7 +60,9 @@ impl Accel {
         Ok(match what.into().kind {
             AccelKind::Brute => Self::Brute(brute::Brute::new(triangles)?),
             AccelKind::Kd => Self::Kd(kdtree_median::build(triangles)?),
-            AccelKind::Bvh => Self::Bvh(bvh2_binned::build(triangles)?),
+            AccelKind::Bvh2 => Self::Bvh2(bvh2_binned::build(triangles)?),
+            AccelKind::Bvh2c => Self::Bvh2c(compact::Compact::new(bvh2_binned::build(triangles)?)),
+            AccelKind::Bvh => Self::Bvh(octants::Octants::new(bvh2_binned::build(triangles)?)),
         })
     }
 
@@ -63,6 +71,8 @@ impl Accel {
         match self {
             Self::Brute(_) => AccelKind::Brute,
             Self::Kd(_) => AccelKind::Kd,
+            Self::Bvh2(_) => AccelKind::Bvh2,
+            Self::Bvh2c(_) => AccelKind::Bvh2c,
             Self::Bvh(_) => AccelKind::Bvh,
         }
     }
@@ -75,6 +85,8 @@ impl Accel {
         match self {
             Self::Brute(_) => Ok(()),
             Self::Kd(tree) => tree.validate(),
+            Self::Bvh2(tree) => tree.validate(),
+            Self::Bvh2c(tree) => tree.validate(),
             Self::Bvh(tree) => tree.validate(),
         }
     }
@@ -84,6 +96,8 @@ impl Accel {
         match self {
             Self::Brute(list) => list.stats(),
             Self::Kd(tree) => tree.stats(),
+            Self::Bvh2(tree) => tree.stats(),
+            Self::Bvh2c(tree) => tree.stats(),
             Self::Bvh(tree) => tree.stats(),
         }
     }
@@ -93,6 +107,8 @@ impl Accel {
         match self {
             Self::Brute(list) => list.triangles(),
             Self::Kd(tree) => tree.triangles(),
+            Self::Bvh2(tree) => tree.triangles(),
+            Self::Bvh2c(tree) => tree.triangles(),
             Self::Bvh(tree) => tree.triangles(),
         }
     }
@@ -102,6 +118,8 @@ impl Accel {
         match self {
             Self::Brute(list) => closest(&list.view(), ray, previous, counter),
             Self::Kd(tree) => closest(&tree.view(), ray, previous, counter),
+            Self::Bvh2(tree) => closest(&tree.view(), ray, previous, counter),
+            Self::Bvh2c(tree) => closest(&tree.view(), ray, previous, counter),
             Self::Bvh(tree) => closest(&tree.view(), ray, previous, counter),
         }
     }
@@ -111,6 +129,8 @@ impl Accel {
         match self {
             Self::Brute(list) => occlusion(&list.view(), ray, counter),
             Self::Kd(tree) => occlusion(&tree.view(), ray, counter),
+            Self::Bvh2(tree) => occlusion(&tree.view(), ray, counter),
+            Self::Bvh2c(tree) => occlusion(&tree.view(), ray, counter),
             Self::Bvh(tree) => occlusion(&tree.view(), ray, counter),
         }
     }

@@ -1,7 +1,7 @@
 //! A structure in the memory of a device.
 
 use raywarp_kernels::math::Vec3;
-use raywarp_kernels::traverse::{bvh2, kdtree};
+use raywarp_kernels::traverse::{bvh2, compact, kdtree};
 use raywarp_kernels::triangle::Triangle;
 
 use super::Accel;
@@ -11,12 +11,24 @@ use crate::backend::{Buffer, Device, DeviceError};
 pub(crate) enum Resident {
     Brute { triangles: Buffer<Triangle> },
     Kd { nodes: Buffer<kdtree::Node>, references: Buffer<u32>, triangles: Buffer<Triangle>, low: Vec3, high: Vec3 },
-    Bvh { nodes: Buffer<bvh2::Node>, triangles: Buffer<Triangle> },
+    Bvh2 { nodes: Buffer<bvh2::Node>, triangles: Buffer<Triangle>, reach: Vec3 },
+    Bvh2c { nodes: Buffer<compact::Node>, triangles: Buffer<Triangle>, grid: compact::Grid },
+    Bvh {
+        full: Buffer<bvh2::Node>,
+        small: Buffer<compact::Node>,
+        triangles: Buffer<Triangle>,
+        reach: Vec3,
+        grid: compact::Grid,
+    },
 }
 
-/// Evaluates an expression with the structure's view under a name, once for each kind.
+/// Evaluates an expression with the structure's view under a name, once for each kind. `both` says how a tree in two
+/// layouts is traversed: as [`Octants`](raywarp_kernels::traverse::Octants), which is a long kernel, or by its small nodes.
 macro_rules! with_structure {
     ($resident:expr, $structure:ident => $body:expr) => {
+        $crate::accel::with_structure!($resident, $structure, both => both, $body)
+    };
+    ($resident:expr, $structure:ident, $both:ident => $view:expr, $body:expr) => {
         match $resident {
             $crate::accel::Resident::Brute { triangles } => {
                 let $structure = raywarp_kernels::traverse::Brute { triangles: triangles.view() };
@@ -32,8 +44,23 @@ macro_rules! with_structure {
                 };
                 $body
             }
-            $crate::accel::Resident::Bvh { nodes, triangles } => {
-                let $structure = raywarp_kernels::traverse::Bvh2 { nodes: nodes.view(), triangles: triangles.view() };
+            $crate::accel::Resident::Bvh2 { nodes, triangles, reach } => {
+                let (nodes, triangles) = (nodes.view(), triangles.view());
+                let $structure = raywarp_kernels::traverse::Bvh2 { nodes, triangles, reach: *reach };
+                $body
+            }
+            $crate::accel::Resident::Bvh2c { nodes, triangles, grid } => {
+                let (nodes, triangles) = (nodes.view(), triangles.view());
+                let $structure = raywarp_kernels::traverse::Compact { nodes, triangles, grid: *grid };
+                $body
+            }
+            $crate::accel::Resident::Bvh { full, small, triangles, reach, grid } => {
+                let triangles = triangles.view();
+                let $both = raywarp_kernels::traverse::Octants {
+                    full: raywarp_kernels::traverse::Bvh2 { nodes: full.view(), triangles, reach: *reach },
+                    compact: raywarp_kernels::traverse::Compact { nodes: small.view(), triangles, grid: *grid },
+                };
+                let $structure = $view;
                 $body
             }
         }
@@ -53,9 +80,23 @@ impl Resident {
                 low: tree.low,
                 high: tree.high,
             },
-            Accel::Bvh(tree) => {
-                Self::Bvh { nodes: device.upload(&tree.nodes)?, triangles: device.upload(&tree.triangles)? }
-            }
+            Accel::Bvh2(tree) => Self::Bvh2 {
+                nodes: device.upload(&tree.nodes)?,
+                triangles: device.upload(&tree.triangles)?,
+                reach: tree.reach(),
+            },
+            Accel::Bvh2c(tree) => Self::Bvh2c {
+                nodes: device.upload(&tree.nodes)?,
+                triangles: device.upload(&tree.triangles)?,
+                grid: tree.grid,
+            },
+            Accel::Bvh(tree) => Self::Bvh {
+                full: device.upload(&tree.full.nodes)?,
+                small: device.upload(&tree.nodes)?,
+                triangles: device.upload(tree.triangles())?,
+                reach: tree.full.reach(),
+                grid: tree.grid,
+            },
         })
     }
 }

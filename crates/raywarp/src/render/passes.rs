@@ -25,7 +25,7 @@ pub(super) struct Pass {
 
 /// Adds the samples of a pass to the film; returns the seconds on the device.
 pub(super) fn shade(device: &Device, structure: &Resident, pass: &Pass) -> Result<f64, DeviceError> {
-    with_structure!(structure, structure => match pass.tests.is_empty() {
+    with_structure!(structure, structure, both => both.compact, match pass.tests.is_empty() {
             true => run(device, pass, &whitted::<_, Uncounted>(structure, pass)),
             false => run(device, pass, &whitted::<_, Tests>(structure, pass)),
     })
@@ -39,7 +39,7 @@ pub(super) fn surfels(
     surfels: ViewMut<Surfel>,
 ) -> Result<f64, DeviceError> {
     let (scene, frame) = (pass.scene, pass.frame);
-    with_structure!(structure, structure => run(device, pass, &Surfels { structure, scene, frame, surfels }))
+    with_structure!(structure, structure, both => both.compact, run(device, pass, &Surfels { structure, scene, frame, surfels }))
 }
 
 fn whitted<S: Structure, C>(structure: S, pass: &Pass) -> Whitted<S, C> {

@@ -1,0 +1,104 @@
+//! The way down a binary tree of boxes, whatever its nodes look like.
+
+use core::mem::MaybeUninit;
+
+use super::bvh2::{Child, MAX_DEPTH};
+use super::{Counter, Visitor};
+use crate::arch::{Links, Meeting};
+use crate::ray::Ray;
+use crate::triangle::{Across, Triangle};
+use crate::view::View;
+
+/// The nodes of a tree as one ray sees them.
+pub trait Boxes {
+    /// Where the ray is within the boxes of a node's two children, between `t_min` and `t_far`. Never less than it
+    /// really is, however the distances round.
+    fn children(&self, node: u32, t_min: f32, t_far: f32) -> [Meeting; 2];
+}
+
+/// What is added to a plane's distance: one sum for the planes where a box is entered, one for those where it is left.
+#[derive(Clone, Copy)]
+pub struct Slab {
+    /// Rounded towards earlier.
+    pub enter: f32,
+    /// Rounded towards later.
+    pub leave: f32,
+}
+
+/// Roundings of single precision that a box allows for, relative to the numbers that a distance is summed from: two
+/// for the inverse and the sum, two for the origin's share, three by which a triangle's corners move when they are
+/// sheared, five in the distance of a hit.
+const SLACK: f32 = 16.0 / 16_777_216.0;
+
+impl Slab {
+    /// Of distances `plane + shift` where `plane` is at most `reach` from zero; conservative, after Ize 2013. Where that
+    /// overflows the slab is no limit.
+    #[inline(always)]
+    pub fn new(shift: f32, reach: f32) -> Self {
+        let slack = (shift.abs() + reach.abs()) * SLACK;
+        let finite = slack < f32::INFINITY;
+        Self {
+            enter: if finite { shift - slack } else { f32::NEG_INFINITY },
+            leave: if finite { shift + slack } else { f32::INFINITY },
+        }
+    }
+}
+
+/// From the distances of the planes. They are compared as integers, which takes three at a time on some machines: of
+/// two negative ones that makes the first earlier and the last later, which is safe.
+#[inline(always)]
+pub fn meeting(enter: [f32; 3], leave: [f32; 3], t_min: f32, t_far: f32, link: u32) -> Meeting {
+    let later = |a: i32, b: i32| a.max(b);
+    let earlier = |a: i32, b: i32| a.min(b);
+    let [ex, ey, ez] = enter.map(|t| t.to_bits() as i32);
+    let [lx, ly, lz] = leave.map(|t| t.to_bits() as i32);
+    let first = later(later(later(ex, ey), ez), t_min.to_bits() as i32);
+    let last = earlier(earlier(earlier(lx, ly), lz), t_far.to_bits() as i32);
+    Meeting { first: f32::from_bits(first as u32), last: f32::from_bits(last as u32), link }
+}
+
+/// Links below this are nodes.
+const LEAVES: u32 = 1 << 28;
+
+/// Shows the visitor what lies in the boxes that the ray meets, the nearer child first.
+#[inline(always)]
+pub fn walk(
+    boxes: &impl Boxes,
+    triangles: View<Triangle>,
+    ray: &Ray,
+    counter: &mut impl Counter,
+    visitor: &mut impl Visitor,
+) {
+    let across = Across::new(ray);
+    let mut room = [const { MaybeUninit::uninit() }; MAX_DEPTH + 1];
+    let mut links = Links::new(&mut room);
+    let mut t_far = ray.t_max;
+    let mut next = 0;
+    loop {
+        while next < LEAVES {
+            counter.node();
+            let [a, b] = boxes.children(next, ray.t_min, t_far);
+            // SAFETY: a way down puts one link aside at each of at most `MAX_DEPTH` nodes; `validate` sees to that.
+            next = unsafe { links.descend(a, b) };
+        }
+        if next == Links::<{ MAX_DEPTH + 1 }>::END {
+            return;
+        }
+        let leaf = Child::of_bits(next);
+        let mut index = leaf.index();
+        let end = index + leaf.count();
+        loop {
+            counter.triangle();
+            t_far = visitor.visit(&across, &triangles.load(index));
+            if t_far < ray.t_min {
+                return;
+            }
+            index += 1;
+            if index >= end {
+                break;
+            }
+        }
+        // SAFETY: `END` ends the loop above.
+        next = unsafe { links.pop() };
+    }
+}
