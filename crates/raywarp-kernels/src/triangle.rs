@@ -92,20 +92,18 @@ impl Triangle {
         let (a, b, c) = (project(p), project(q), project(r));
         // A difference of two rounded products is zero or has the sign of the exact one.
         let edge = |a: Flat, b: Flat| a.x * b.y - a.y * b.x;
-        let (mut u, mut v, mut w) = (edge(c, b), edge(a, c), edge(b, a));
+        let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
         // As integers: the smallest, or of negative ones that closest to zero; the largest, or the most negative.
         let (low, high) = (least(least(u, v), w), greatest(greatest(u, v), w));
         if low < -TINY && high > TINY {
             return None;
         }
-        let mut det = u + v + w;
-        let certain = (low > TINY || (low < -TINY && high < 0.0)) && det.abs() < f32::INFINITY;
-        if !certain {
-            [u, v, w] = decide(a, b, c)?;
-            det = u + v + w;
-        }
+        let certain = (low > TINY || (low < -TINY && high < 0.0)) && (u + v + w).abs() < f32::INFINITY;
+        // Needles need every bit: their edge functions are small beside the products.
+        let [u, v, w] =
+            if certain { [exact_edge(c, b), exact_edge(a, c), exact_edge(b, a)] } else { decide(a, b, c)? };
         // Weights first: they are at most 1, whatever the units.
-        let inverse = 1.0 / det;
+        let inverse = 1.0 / (u + v + w);
         let (u, v, w) = (u * inverse, v * inverse, w * inverse);
         let along = |v: Vec3| v.dot(across.along);
         let t = arch::fma(u, along(p), arch::fma(v, along(q), w * along(r)));
@@ -154,8 +152,7 @@ fn decide(a: Flat, b: Flat, c: Flat) -> Option<[f32; 3]> {
     (inside && det != 0.0).then_some([u, v, w])
 }
 
-/// An edge function that is zero only where the ray is on the edge: where the products are equal when rounded, what they
-/// were rounded by decides.
+/// An edge function with what the products were rounded by: right to its last bits, and zero only on the edge.
 #[inline(always)]
 fn exact_edge(a: Flat, b: Flat) -> f32 {
     let (p, q) = (a.x * b.y, a.y * b.x);

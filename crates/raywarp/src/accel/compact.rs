@@ -74,6 +74,9 @@ fn expand(node: &Node, grid: &Grid) -> Full {
     let [low, high] = [(0, 0u32), (16, 1)].map(|(shift, up)| {
         node.children.map(|child| {
             let [x, y, z] = [0, 1, 2].map(|i: u32| {
+                if grid.scale[i] == f32::INFINITY {
+                    return if up == 0 { -f32::MAX } else { f32::MAX };
+                }
                 let exact = plane(child.planes[i as usize] >> shift & MOST, grid, i);
                 let near = exact as f32;
                 match up {
@@ -110,14 +113,18 @@ pub(crate) fn grid(bounds: &Bounds) -> Grid {
 }
 
 /// Base and scale of an axis, such that its first and last plane enclose what there is. Where that is narrow beside its
-/// distance from zero, single precision cannot say so: the grid is then as wide as it must be.
+/// distance from zero, single precision cannot say so: the grid is then as wide as it must be. Near the end of single precision there is none:
+/// an infinite scale makes every box endless on that axis.
 fn axis(low: f64, high: f64) -> (f32, f32) {
     let mut scale = ((high - low) / (LAST - FIRST)) as f32 * (1.0 + f32::EPSILON) + f32::MIN_POSITIVE;
     loop {
         let base = (low - FIRST * f64::from(scale)).max(f64::from(-f32::MAX)) as f32;
         let at = |code| f64::from(base) + f64::from(scale) * f64::from(position(code));
-        if at(0) <= low && at(MOST) >= high || scale > f32::MAX / 8.0 {
+        if at(0) <= low && at(MOST) >= high {
             return (base, scale);
+        }
+        if scale > f32::MAX / 16.0 {
+            return (0.0, f32::INFINITY);
         }
         scale *= 1.25;
     }
@@ -204,6 +211,10 @@ mod tests {
             let grid = grid(&bounds);
             for (axis, (low, high)) in sides.into_iter().enumerate() {
                 let axis = axis as u32;
+                if grid.scale[axis] == f32::INFINITY {
+                    prop_assert!(size > 1e37);
+                    continue;
+                }
                 let (below, above) = (below(low, &grid, axis), above(high, &grid, axis));
                 prop_assert!(plane(below, &grid, axis) <= f64::from(low));
                 prop_assert!(plane(above, &grid, axis) >= f64::from(high));
