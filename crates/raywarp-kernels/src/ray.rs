@@ -8,7 +8,11 @@ pub const MISS: u32 = u32::MAX;
 
 /// A half-line, or a piece of it: `origin + t direction` for `t_min <= t <= t_max`.
 ///
-/// The direction need not be a unit vector; `t` is in units of its length. A ray with NaN anywhere hits nothing.
+/// The direction need not be a unit vector; `t` is in units of its length. Both ends belong to the ray, and `t_min` may
+/// be negative: then what lies behind the origin is hit too.
+///
+/// Any floats are legal. A ray hits nothing that has NaN anywhere, an origin or a direction with an infinite coordinate,
+/// a direction of zero, or `t_min > t_max`.
 #[repr(C, align(16))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
@@ -33,6 +37,22 @@ impl Ray {
     #[inline(always)]
     pub fn at(&self, t: f32) -> Vec3 {
         self.direction.mul_add(t, self.origin)
+    }
+
+    /// The same ray with finite ends. NaN stays: such a ray hits nothing.
+    #[inline(always)]
+    pub(crate) fn with_finite_ends(&self) -> Self {
+        let t_min = if self.t_min < -f32::MAX { -f32::MAX } else { self.t_min };
+        let t_max = if self.t_max > f32::MAX { f32::MAX } else { self.t_max };
+        Self { t_min, t_max, ..*self }
+    }
+
+    /// The piece of the ray where hits after `previous` are.
+    #[inline(always)]
+    pub(crate) fn after(&self, previous: &Hit) -> Self {
+        // Not `max`, which would lose a NaN.
+        let t_min = if previous.t > self.t_min { previous.t } else { self.t_min };
+        Self { t_min, ..*self }
     }
 
     /// One over each component of the direction, always finite: a component too small to divide by counts as 2^-80 of
