@@ -3,7 +3,8 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use raywarp::image::{exr, false_color, heatmap, png, write, Development, Format, Layer, Layers, Picture, Rgb8};
+use raywarp::image::{exr, false_color, heatmap, png, Development, Format, Layer, Layers, Picture, Rgb8};
+use raywarp::write;
 
 use crate::interrupt::Interrupt;
 use crate::options::{RenderOptions, StatsForm};

@@ -1,0 +1,1 @@
+//! Rays and answers in files.
