@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use super::ImageError;
-use crate::write::is_standard_output;
+use crate::write::is_dash;
 
 /// Kinds of picture files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +21,7 @@ impl Format {
     /// # Errors
     /// [`ImageError::UnknownExtension`].
     pub fn of(path: &Path) -> Result<Self, ImageError> {
-        if is_standard_output(path) {
+        if is_dash(path) {
             return Ok(Self::Png);
         }
         match path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase().as_str() {

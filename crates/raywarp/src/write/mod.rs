@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 pub use error::WriteError;
 
 /// Whether a path is `-`.
-pub fn is_standard_output(path: &Path) -> bool {
+pub fn is_dash(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
@@ -19,7 +19,7 @@ pub fn is_standard_output(path: &Path) -> bool {
 /// # Errors
 /// As [`file()`].
 pub fn check(path: &Path) -> Result<(), WriteError> {
-    if is_standard_output(path) {
+    if is_dash(path) {
         return Ok(());
     }
     match Target::of(path)? {
@@ -34,7 +34,7 @@ pub fn check(path: &Path) -> Result<(), WriteError> {
 /// # Errors
 /// [`WriteError`] with the reason; no temporary file is left then.
 pub fn file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    let written = if is_standard_output(path) {
+    let written = if is_dash(path) {
         to_standard_output(|output| output.write_all(bytes))
     } else {
         match Target::of(path)? {
@@ -51,7 +51,7 @@ pub fn file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
 /// # Errors
 /// As [`file()`].
 pub fn with(path: &Path, bytes: u64, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), WriteError> {
-    let written = if is_standard_output(path) {
+    let written = if is_dash(path) {
         by_way_of_a_file(fill).and_then(|mut file| to_standard_output(|output| io::copy(&mut file, output).map(drop)))
     } else {
         match Target::of(path)? {
