@@ -207,10 +207,10 @@ impl<S: Structure> Surfels<S> {
     }
 }
 
-/// The thread's ray of a batch; none beyond the end. Its ends are finite: what overflows to infinity is no hit.
+/// The thread's ray of a batch; none beyond the end.
 #[inline(always)]
 fn query(rays: &View<Ray>, thread: Thread) -> Option<Ray> {
-    (thread.x < rays.len()).then(|| rays.load(thread.x).with_finite_ends())
+    (thread.x < rays.len()).then(|| rays.load(thread.x).within_range())
 }
 
 /// The closest hit of each ray of a batch.

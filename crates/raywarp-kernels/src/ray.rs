@@ -12,7 +12,8 @@ pub const MISS: u32 = u32::MAX;
 /// be negative: then what lies behind the origin is hit too.
 ///
 /// Any floats are legal. A ray hits nothing that has NaN anywhere, an origin or a direction with an infinite coordinate,
-/// a direction of zero, or `t_min > t_max`.
+/// a direction of zero, or `t_min > t_max`. Queries ask for a direction whose largest component is from 2^-100 to 2^100,
+/// and others hit nothing.
 #[repr(C, align(16))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
@@ -39,12 +40,16 @@ impl Ray {
         self.direction.mul_add(t, self.origin)
     }
 
-    /// The same ray with finite ends. NaN stays: such a ray hits nothing.
+    /// The same ray as queries take it: its ends are finite, for what overflows to infinity is no hit, and a direction
+    /// so short or so long that distances would lose their digits is zero. NaN stays: such a ray hits nothing.
     #[inline(always)]
-    pub(crate) fn with_finite_ends(&self) -> Self {
+    pub(crate) fn within_range(&self) -> Self {
         let t_min = if self.t_min < -f32::MAX { -f32::MAX } else { self.t_min };
         let t_max = if self.t_max > f32::MAX { f32::MAX } else { self.t_max };
-        Self { t_min, t_max, ..*self }
+        let length = self.direction.max_abs();
+        let usable = length >= SHORTEST && length <= LONGEST;
+        let direction = if usable { self.direction } else { Vec3::ZERO };
+        Self { origin: self.origin, t_min, direction, t_max }
     }
 
     /// The piece of the ray where hits after `previous` are.
@@ -66,6 +71,11 @@ impl Ray {
         vec3(finite_inverse(d.x, smallest), finite_inverse(d.y, smallest), finite_inverse(d.z, smallest))
     }
 }
+
+/// 2^-100 and 2^100: with coordinates of 10^6 no distance overflows, with those of 10^-6 the margin of boxes does not
+/// vanish.
+const SHORTEST: f32 = f32::from_bits((127 - 100) << 23);
+const LONGEST: f32 = f32::from_bits((127 + 100) << 23);
 
 /// 2^-80.
 const NEGLIGIBLE: f32 = f32::from_bits((127 - 80) << 23);

@@ -23,6 +23,9 @@ fn casters(triangles: &[Triangle]) -> Vec<RayCaster> {
 
 /// The hits of a ray: each triangle by itself, sorted, each once.
 fn oracle(triangles: &[Triangle], ray: &Ray) -> Vec<[u32; 4]> {
+    if !(2f32.powi(-100)..=2f32.powi(100)).contains(&ray.direction.max_abs()) {
+        return Vec::new();
+    }
     let within = |hit: &Hit| hit.t >= ray.t_min && hit.t <= ray.t_max && hit.t.is_finite();
     let mut hits: Vec<_> = triangles.iter().filter_map(|triangle| triangle.intersect(ray)).filter(within).collect();
     hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
@@ -157,6 +160,11 @@ fn odd_rays_hit_what_is_documented() {
         // Nothing is hit by what is no ray.
         (with(&|ray| ray.direction = Vec3::ZERO), &[]),
         (with(&|ray| ray.direction = Vec3::new(0.0, -0.0, 0.0)), &[]),
+        // Shorter or longer than 2^-100 and 2^100.
+        (with(&|ray| ray.direction.z = 7.88e-31), &[]),
+        (with(&|ray| ray.direction.z = 1.27e30), &[]),
+        (with(&|ray| ray.direction.z = 2f32.powi(-100)), &[1.2676506e30, 2.5353012e30, 3.8029518e30]),
+        (with(&|ray| ray.direction.z = 2f32.powi(100)), &[7.888609e-31, 1.5777218e-30, 2.3665827e-30]),
         (with(&|ray| ray.direction.x = NAN), &[]),
         (with(&|ray| ray.direction.z = NAN), &[]),
         (with(&|ray| ray.direction.z = INF), &[]),

@@ -7,7 +7,7 @@ use raywarp::{Hit, Ray, Triangle, Vec3};
 use crate::{device, reference, scaled, scene, triangles, Random};
 
 /// Rays of every sort: through the scene, axis-parallel, from surfaces, with limits, without a meaning.
-fn rays(triangles: &[Triangle], count: usize, random: &mut Random) -> Vec<Ray> {
+pub fn rays(triangles: &[Triangle], count: usize, random: &mut Random) -> Vec<Ray> {
     let corner = |random: &mut Random| triangles[random.bits() as usize % triangles.len()].v0;
     (0..count)
         .map(|index| {
@@ -31,7 +31,7 @@ fn rays(triangles: &[Triangle], count: usize, random: &mut Random) -> Vec<Ray> {
         .collect()
 }
 
-fn soup(random: &mut Random) -> Vec<Triangle> {
+pub fn soup(random: &mut Random) -> Vec<Triangle> {
     let triangle = |id| {
         let centre = random.vector() * 2.0;
         let [a, b, c] = [(); 3].map(|()| centre + random.vector() * 0.2);
