@@ -54,14 +54,16 @@ Examples:
   raywarp query scene.ply --rays rays.csv --mode count -o counts.npy
   raywarp query scene.glb --rays - --mode any -o - --format csv < rays.npy
 
-Rays: an array of float32 whose last axis is 6 (origin, direction) or 8 (origin, t_min, direction, t_max), as numpy.save
-writes it, or CSV with as many columns. Directions need not be unit vectors: t counts in units of their length. A ray
-hits nothing that has NaN anywhere, an infinite origin or direction, a direction of zero, or t_min > t_max; both ends
-count, and a negative t_min reaches behind the origin.
+Rays: an array of float32 as numpy.save writes it, of any shape whose last axis is 6 (origin,
+direction) or 8 (origin, t_min, direction, t_max); or CSV with as many columns. Directions need not
+be unit vectors: t counts in their length. Both ends count, and a negative t_min reaches behind the
+origin. A ray hits nothing that has NaN anywhere, an infinite origin or direction, a direction of
+zero, or t_min > t_max.
 
-Answers: t (inf for a miss), primitive and geometry (triangle of a mesh, instance of the scene; 4294967295 for a miss),
-uv (weights of vertices 1 and 2); occluded; count; or for 'all' offsets and the hits of all rays, of which those of ray i
-are offsets[i] to offsets[i + 1], by distance. See docs/query.md.";
+Answers: t (inf for a miss), primitive and geometry (triangle of a mesh, instance of the scene;
+4294967295 for a miss) and uv (weights of vertices 1 and 2); occluded; count; or for 'all' offsets
+and the hits of all rays, those of ray i from offsets[i] to offsets[i + 1] and by distance.
+docs/query.md has examples.";
 
 /// The commands.
 #[derive(Debug, Subcommand)]
