@@ -47,7 +47,7 @@ impl Ray {
         let t_min = if self.t_min < -f32::MAX { -f32::MAX } else { self.t_min };
         let t_max = if self.t_max > f32::MAX { f32::MAX } else { self.t_max };
         let length = self.direction.max_abs();
-        let usable = length >= SHORTEST && length <= LONGEST;
+        let usable = (SHORTEST..=LONGEST).contains(&length);
         let direction = if usable { self.direction } else { Vec3::ZERO };
         Self { origin: self.origin, t_min, direction, t_max }
     }

@@ -226,7 +226,7 @@ mod tests {
     fn what_is_written_is_read() {
         for shape in [vec![], vec![7], vec![1 << 40, 2], vec![2, 3, 4]] {
             let bytes = Head::write("<f4", &shape);
-            assert!(bytes.len() % 64 == 0 && bytes.ends_with(b"\n"));
+            assert!(bytes.len().is_multiple_of(64) && bytes.ends_with(b"\n"));
             let head = Head { descr: "<f4".into(), fortran_order: false, shape, len: bytes.len() as u64 };
             assert_eq!(said(&bytes), format!("{head:?}"));
         }

@@ -16,7 +16,7 @@ use crate::Ray;
 ///
 /// A `.npy` file has a last axis of 6 (origin, direction; from 0 to infinity) or of 8 (origin, t_min, direction, t_max);
 /// any axes before it are the shape of the batch. Items are float32 or float64, which is rounded to float32, of either
-/// byte order. CSV has as many columns; see [`docs/query.md`](https://docs.rs/raywarp) of the repository for both.
+/// byte order. CSV has as many columns. `docs/query.md` in the repository tells of both.
 pub struct RayReader {
     name: String,
     source: Source,

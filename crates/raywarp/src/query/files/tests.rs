@@ -2,6 +2,8 @@
 
 use std::io::{BufReader, Cursor};
 
+use proptest::prelude::*;
+
 use super::npy::Head;
 use super::*;
 use crate::query::{AllHits, Hits};
@@ -250,4 +252,31 @@ fn text_has_a_line_a_ray_or_a_hit() {
 fn answers_to_another_question_are_refused() {
     let mut writer = AnswerWriter::new(Mode::Closest, Format::Npz, &std::env::temp_dir()).unwrap();
     assert!(writer.add(Answers::Count(&[1])).is_err());
+}
+
+proptest! {
+    /// Whatever happens to a file, there are no more rays than it has room for, and an error is a sentence.
+    #[test]
+    fn damaged_files_are_rays_or_an_error(
+        which in 0..3,
+        damage in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..6),
+        cut in any::<prop::sample::Index>(),
+    ) {
+        let mut file = match which {
+            0 => npy(&[10, 6], &numbers(10)),
+            1 => npy(&[3, 8], &numbers(4)),
+            _ => b"ox,oy,oz,dx,dy,dz\n0,1,2,3,4,5\n# six\n6;7;8;9;1e1;nan\n".to_vec(),
+        };
+        for (place, byte) in damage {
+            let at = place.index(file.len());
+            file[at] = byte;
+        }
+        file.truncate(cut.index(2 * file.len()).max(1));
+        for (name, len) in [("a.npy", Some(file.len() as u64)), ("a.csv", None)] {
+            match read_pipe(name, &file, len) {
+                Ok(rays) => prop_assert!(rays.len() <= file.len() / 11),
+                Err(said) => prop_assert!(said.starts_with(name) && said.len() < 400, "{said}"),
+            }
+        }
+    }
 }
