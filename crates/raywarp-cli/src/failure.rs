@@ -3,8 +3,9 @@
 use std::process::ExitCode;
 
 use raywarp::backend::DeviceError;
-use raywarp::image::ImageError;
+use raywarp::query::QueryError;
 use raywarp::render::RenderError;
+use raywarp::write::WriteError;
 
 use crate::say;
 
@@ -35,11 +36,13 @@ fn sentence(error: &anyhow::Error) -> String {
 
 fn is_broken_pipe(cause: &(dyn std::error::Error + 'static)) -> bool {
     let is_broken = |error: &std::io::Error| error.kind() == std::io::ErrorKind::BrokenPipe;
-    cause.downcast_ref().is_some_and(is_broken) || cause.downcast_ref().is_some_and(ImageError::is_broken_pipe)
+    cause.downcast_ref().is_some_and(is_broken) || cause.downcast_ref().is_some_and(WriteError::is_broken_pipe)
 }
 
 fn is_of_device(cause: &(dyn std::error::Error + 'static)) -> bool {
-    cause.is::<DeviceError>() || matches!(cause.downcast_ref(), Some(RenderError::Device(_)))
+    cause.is::<DeviceError>()
+        || matches!(cause.downcast_ref(), Some(RenderError::Device(_)))
+        || matches!(cause.downcast_ref(), Some(QueryError::Device(_)))
 }
 
 #[cfg(test)]

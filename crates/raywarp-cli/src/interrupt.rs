@@ -1,5 +1,7 @@
 //! Ctrl-C between two files, never within one.
 
+use std::io::{self, Seek, SeekFrom, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// What the shell expects of a program that SIGINT ended.
@@ -8,23 +10,56 @@ const INTERRUPTED: i32 = 130;
 /// Ends the program on Ctrl-C or SIGTERM, but not while a file is being written.
 pub struct Interrupt {
     writing: Arc<Mutex<()>>,
+    asked: Arc<AtomicBool>,
 }
 
 impl Interrupt {
     /// From here on the program ends with exit code 130, after the file that is being written.
     pub fn install() -> Self {
         let writing = Arc::new(Mutex::new(()));
-        let waiting = Arc::clone(&writing);
+        let asked = Arc::new(AtomicBool::new(false));
+        let (waiting, told) = (Arc::clone(&writing), Arc::clone(&asked));
         // Where no handler can be set, the system's own still ends the program.
         let _ = ctrlc::set_handler(move || {
+            told.store(true, Ordering::Relaxed);
             let _written = waiting.lock();
             std::process::exit(INTERRUPTED);
         });
-        Self { writing }
+        Self { writing, asked }
     }
 
     /// Holds interruptions off while it lives.
     pub fn hold(&self) -> MutexGuard<'_, ()> {
         self.writing.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// An output that fails once an end is asked for: what takes long to write need not be waited for.
+    pub fn stop<'a, W>(&'a self, output: &'a mut W) -> Stopping<'a, W> {
+        Stopping { output, asked: &self.asked }
+    }
+}
+
+/// See [`Interrupt::stop`].
+pub struct Stopping<'a, W> {
+    output: &'a mut W,
+    asked: &'a AtomicBool,
+}
+
+impl<W: Write> Write for Stopping<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.asked.load(Ordering::Relaxed) {
+            return Err(io::Error::other("interrupted"));
+        }
+        self.output.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.output.flush()
+    }
+}
+
+impl<W: Seek> Seek for Stopping<'_, W> {
+    fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
+        self.output.seek(place)
     }
 }

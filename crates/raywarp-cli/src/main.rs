@@ -11,6 +11,7 @@ mod man;
 mod options;
 mod output;
 mod progress;
+mod query;
 mod render;
 mod report;
 mod say;
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
     let done = match Options::parse().command {
         None => render::run(&RenderOptions::built_in()),
         Some(Command::Render(options)) => render::run(&options),
+        Some(Command::Query(options)) => query::run(&options),
         Some(Command::Info(options)) => info::run(&options),
         Some(Command::Bench(options)) => bench::run(&options),
         Some(Command::Doctor) => doctor::run(),

@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use raywarp::accel::AccelKind;
 use raywarp::backend::DeviceChoice;
 use raywarp::image::{Layer, ToneMap};
+use raywarp::query::files::{Format, Mode};
 use raywarp::render::{MAX_DEPTH, MAX_SPP};
 
 use crate::values;
@@ -29,6 +30,7 @@ const EXAMPLES: &str = "\
 Examples:
   raywarp                                  the built-in scene, to raywarp.png
   raywarp render model.obj -o picture.png  a model, framed and lit if it has no camera and no lights
+  raywarp query model.obj --rays rays.npy  what each of many rays hits, to hits.npz
   raywarp info scene.gltf                  what is in a scene
   raywarp doctor                           whether a GPU can be used, and if not what to do
 
@@ -46,11 +48,30 @@ Examples:
 
 The same scene, options and seed give the same picture on any number of threads.";
 
+const QUERY_EXAMPLES: &str = "\
+Examples:
+  raywarp query scene.obj --rays rays.npy -o hits.npz
+  raywarp query scene.ply --rays rays.csv --mode count -o counts.npy
+  raywarp query scene.glb --rays - --mode any -o - --format csv < rays.npy
+
+Rays: an array of float32 as numpy.save writes it, of any shape whose last axis is 6 (origin,
+direction) or 8 (origin, t_min, direction, t_max); or CSV with as many columns. Directions need not
+be unit vectors: t counts in their length. Both ends count, and a negative t_min reaches behind the
+origin. A ray hits nothing that has NaN anywhere, an infinite origin or direction, a direction of
+zero, or t_min > t_max.
+
+Answers: t (inf for a miss), primitive and geometry (triangle of a mesh, instance of the scene;
+4294967295 for a miss) and uv (weights of vertices 1 and 2); occluded; count; or for 'all' offsets
+and the hits of all rays, those of ray i from offsets[i] to offsets[i + 1] and by distance.
+docs/query.md has examples.";
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Render a scene to PNG or EXR files
     Render(Box<RenderOptions>),
+    /// Ask many rays what they hit: the closest, any, all of it, or how much
+    Query(QueryOptions),
     /// Show what is in a scene: counts, bounds, materials, memory, quality of the trees
     Info(InfoOptions),
     /// Time every structure on a scene, without and with secondary rays, as a table
@@ -167,6 +188,50 @@ impl RenderOptions {
 pub enum StatsForm {
     Table,
     Json,
+}
+
+/// Options of `query`.
+#[derive(Debug, Args)]
+#[command(after_help = QUERY_EXAMPLES)]
+pub struct QueryOptions {
+    /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    pub scene: Option<PathBuf>,
+
+    /// Rays: a .npy or CSV file, or - for standard input
+    #[arg(short, long, value_name = "FILE")]
+    pub rays: PathBuf,
+    /// What to ask: closest, any, count, all
+    #[arg(short, long, value_name = "MODE", default_value_t)]
+    pub mode: Mode,
+    /// Hits that 'all' and 'count' stop at; none: all of them
+    #[arg(long, value_name = "K")]
+    pub max_hits: Option<u32>,
+    /// Answers: a .npz, .npy (a single array: any, count) or .csv file, or - for standard output
+    #[arg(short, long, value_name = "FILE", default_value = "hits.npz")]
+    pub output: PathBuf,
+    /// Format of the answers: npz, npy, csv; none: by the file's name, csv to standard output
+    #[arg(long, value_name = "FORMAT")]
+    pub format: Option<Format>,
+
+    /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
+    #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
+    pub device: DeviceChoice,
+    /// How to find hits: brute (every triangle), kd (the paper's k-d tree), bvh
+    #[arg(long, value_name = "KIND", default_value = "bvh", help_heading = "Machine")]
+    pub accel: AccelKind,
+    /// Threads of the CPU; none: all
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Machine")]
+    pub threads: Option<u32>,
+
+    /// Print one JSON object about the run
+    #[arg(long, help_heading = "Messages")]
+    pub json: bool,
+    /// Take the scene's warnings as errors
+    #[arg(long, help_heading = "Messages")]
+    pub strict: bool,
+    /// Print nothing but errors
+    #[arg(short, long, help_heading = "Messages")]
+    pub quiet: bool,
 }
 
 /// Options of `info`.

@@ -3,7 +3,8 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use raywarp::image::{exr, false_color, heatmap, png, write, Development, Format, Layer, Layers, Picture, Rgb8};
+use raywarp::image::{exr, false_color, heatmap, png, Development, Format, Layer, Layers, Picture, Rgb8};
+use raywarp::write;
 
 use crate::interrupt::Interrupt;
 use crate::options::{RenderOptions, StatsForm};
@@ -56,7 +57,7 @@ impl Plan {
         let format = Format::of(path)?;
         if format == Format::Png && !self.layers.is_empty() {
             anyhow::ensure!(
-                !write::is_standard_output(path),
+                !write::is_dash(path),
                 "--aov names its files after the picture, and standard output has no name: give -o a file"
             );
             let beside = |&layer: &Layer| (path.with_extension(format!("{layer}.png")), layer);
@@ -100,7 +101,7 @@ impl Plan {
 
     /// The picture files by name, with commas.
     pub fn names(&self) -> String {
-        let name = |path: &Path| match write::is_standard_output(path) {
+        let name = |path: &Path| match write::is_dash(path) {
             true => "standard output".to_owned(),
             false => path.display().to_string(),
         };
@@ -144,6 +145,6 @@ fn put_explained(
 
 fn put(path: &Path, bytes: &[u8], interrupt: &Interrupt) -> anyhow::Result<()> {
     // A pipe may wait for its reader for ever: Ctrl-C has to work there, and leaves no file.
-    let _held = (!write::is_standard_output(path)).then(|| interrupt.hold());
+    let _held = (!write::is_dash(path)).then(|| interrupt.hold());
     Ok(write::file(path, bytes)?)
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Context;
+use raywarp::accel::Dropped;
 use raywarp::backend::Device;
 use raywarp::image::{Development, Layers};
 use raywarp::render::{self, Rendering, Tracer};
@@ -13,7 +14,7 @@ use crate::interrupt::Interrupt;
 use crate::limits;
 use crate::options::{RenderOptions, StatsForm};
 use crate::output::{Plan, Results};
-use crate::progress::Bar;
+use crate::progress::{Bar, Words};
 use crate::report::{SceneCounts, Seconds, Statistics, TestCounts};
 use crate::say;
 use crate::viewpoint;
@@ -32,7 +33,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let chosen = options.camera.as_deref().map(|name| viewpoint::named(&loaded.scene.cameras, name)).transpose()?;
     let device = Device::open(options.device)?;
     let tracer = Tracer::new(&loaded.scene, options.accel, &device)?;
-    refuse_dropped(options, &tracer)?;
+    refuse_dropped(options.strict, &tracer.report().dropped)?;
     say_notes(options, &loaded, &device, &tracer);
     let camera = viewpoint::adjusted(chosen.unwrap_or(tracer.default_camera()).clone(), options);
 
@@ -92,18 +93,18 @@ pub fn read(path: Option<&Path>, strict: bool) -> anyhow::Result<Loaded> {
     })
 }
 
-fn limit_threads(threads: Option<u32>) -> anyhow::Result<()> {
+/// The CPU's threads, if there is a wish.
+pub fn limit_threads(threads: Option<u32>) -> anyhow::Result<()> {
     let Some(threads) = threads else { return Ok(()) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
     pool.build_global().with_context(|| format!("cannot start {threads} threads"))
 }
 
 /// With `--strict`, triangles that cannot be hit are an error as every other warning is.
-fn refuse_dropped(options: &RenderOptions, tracer: &Tracer) -> anyhow::Result<()> {
-    let dropped = tracer.report().dropped;
+pub fn refuse_dropped(strict: bool, dropped: &Dropped) -> anyhow::Result<()> {
     let count = dropped.without_area + dropped.not_finite;
     anyhow::ensure!(
-        !options.strict || count == 0,
+        !strict || count == 0,
         "triangles without area or with coordinates that are not finite, {count} of them, would be dropped (an error \
          because of --strict); mend the scene or leave --strict out"
     );
@@ -115,20 +116,12 @@ fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: 
         return;
     }
     say::warnings(&loaded.warnings);
-    let dropped = tracer.report().dropped;
-    if dropped.without_area > 0 {
-        say::line(&format!("warning: triangles without area, {} of them, are dropped", dropped.without_area));
-    }
-    if dropped.not_finite > 0 {
-        say::line(&format!("warning: triangles that are not finite, {} of them, are dropped", dropped.not_finite));
-    }
+    say::dropped(&tracer.report().dropped);
     let aimed = options.eye.is_some() && options.target.is_some();
     for note in tracer.report().notes.iter().filter(|note| !(aimed && note.contains("framed"))) {
         say::line(&format!("note: {note}"));
     }
-    if let Some(reason) = device.fallback() {
-        say::line(&format!("note: tracing on the CPU: {reason}"));
-    }
+    say::fallback(device);
 }
 
 /// One picture to be taken.
@@ -165,8 +158,10 @@ impl Shot<'_> {
     }
 
     fn render(&self, count_tests: bool) -> anyhow::Result<Rendering> {
-        let mut bar = Bar::new(self.options.quiet);
-        Ok(self.tracer.render(self.camera, &self.library_options(count_tests), &mut |done| bar.update(done))?)
+        let mut bar = Bar::new(self.options.quiet, Words::Render);
+        Ok(self
+            .tracer
+            .render(self.camera, &self.library_options(count_tests), &mut |p| bar.update(p.done, Some(p.total)))?)
     }
 
     fn layers(&self, taken: &Taken) -> anyhow::Result<Layers> {

@@ -2,6 +2,9 @@
 
 use std::io::{self, Write};
 
+use raywarp::accel::Dropped;
+use raywarp::backend::Device;
+
 /// A line on standard error. Where nobody can read it, nothing is lost.
 pub fn line(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{text}");
@@ -17,6 +20,23 @@ pub fn warnings<T: std::fmt::Display>(warnings: &[T]) {
     }
     if warnings.len() > SHOWN_WARNINGS {
         line(&format!("warning: and {} more of {}", warnings.len() - SHOWN_WARNINGS, warnings.len()));
+    }
+}
+
+/// A warning for each reason why triangles are left out.
+pub fn dropped(dropped: &Dropped) {
+    if dropped.without_area > 0 {
+        line(&format!("warning: triangles without area, {} of them, are dropped", dropped.without_area));
+    }
+    if dropped.not_finite > 0 {
+        line(&format!("warning: triangles that are not finite, {} of them, are dropped", dropped.not_finite));
+    }
+}
+
+/// Why a CPU stands in for a GPU, if it does.
+pub fn fallback(device: &Device) {
+    if let Some(reason) = device.fallback() {
+        line(&format!("note: tracing on the CPU: {reason}"));
     }
 }
 

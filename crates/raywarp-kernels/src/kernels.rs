@@ -9,7 +9,9 @@ use crate::ray::{Hit, Ray};
 use crate::sample::{combine, stratified};
 use crate::shade::whitted::{trace, visible, Limits};
 use crate::surface::Scene;
-use crate::traverse::{closest, occlusion, Counter, Occlusion, Structure, Tests, Uncounted, START};
+use crate::traverse::{
+    all, closest, occlusion, Counter, Keep, Occlusion, Structure, Tests, Uncollected, Uncounted, START,
+};
 use crate::view::{View, ViewMut};
 
 /// Which thread of a launch this is: column and row.
@@ -205,6 +207,12 @@ impl<S: Structure> Surfels<S> {
     }
 }
 
+/// The thread's ray of a batch; none beyond the end.
+#[inline(always)]
+fn query(rays: &View<Ray>, thread: Thread) -> Option<Ray> {
+    (thread.x < rays.len()).then(|| rays.load(thread.x).within_range())
+}
+
 /// The closest hit of each ray of a batch.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -220,8 +228,8 @@ pub struct Closest<S> {
 impl<S: Structure> Closest<S> {
     #[inline(always)]
     fn run(&self, thread: Thread) {
-        if thread.x < self.rays.len() {
-            let hit = closest(&self.structure, &self.rays.load(thread.x), &START, &mut Uncounted);
+        if let Some(ray) = query(&self.rays, thread) {
+            let hit = closest(&self.structure, &ray, &START, &mut Uncounted);
             // SAFETY: one thread a ray.
             unsafe { self.hits.set(thread.x, hit) };
         }
@@ -243,11 +251,98 @@ pub struct Occluded<S> {
 impl<S: Structure> Occluded<S> {
     #[inline(always)]
     fn run(&self, thread: Thread) {
-        if thread.x < self.rays.len() {
-            let found = occlusion(&self.structure, &self.rays.load(thread.x), &mut Uncounted);
+        if let Some(ray) = query(&self.rays, thread) {
+            let found = occlusion(&self.structure, &ray, &mut Uncounted);
             // SAFETY: one thread a ray.
             unsafe { self.occluded.set(thread.x, (found != Occlusion::Clear) as u32) };
         }
+    }
+}
+
+/// Hits that are collected at once; see [`all`]. More take more registers, fewer more passes through the structure.
+const COLLECTED: usize = 4;
+
+/// Hits that are counted at once: of these only distance and primitive take registers.
+const COUNTED: usize = 8;
+
+/// How many hits each ray of a batch has.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Count<S> {
+    /// Where to find hits.
+    pub structure: S,
+    /// The batch.
+    pub rays: View<Ray>,
+    /// Counting ends here.
+    pub limit: u32,
+    /// One a ray, written.
+    pub counts: ViewMut<u32>,
+}
+
+impl<S: Structure> Count<S> {
+    #[inline(always)]
+    fn run(&self, thread: Thread) {
+        if let Some(ray) = query(&self.rays, thread) {
+            let count = all::<COUNTED>(&self.structure, &ray, self.limit, &mut Uncounted, &mut Uncollected);
+            // SAFETY: one thread a ray.
+            unsafe { self.counts.set(thread.x, count) };
+        }
+    }
+}
+
+/// The hits of each ray of a batch, in order.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct All<S> {
+    /// Where to find hits.
+    pub structure: S,
+    /// The batch.
+    pub rays: View<Ray>,
+    /// Place of each ray's first hit, and after the last ray that of the end: ascending, one more than there are rays.
+    /// Empty: the hits of ray `i` begin at `i * limit`.
+    pub offsets: View<u32>,
+    /// Most hits of a ray.
+    pub limit: u32,
+    /// One a ray, written.
+    pub counts: ViewMut<u32>,
+    /// Written; what a ray does not fill stays as it was.
+    pub hits: ViewMut<Hit>,
+}
+
+impl<S: Structure> All<S> {
+    #[inline(always)]
+    fn run(&self, thread: Thread) {
+        if let Some(ray) = query(&self.rays, thread) {
+            let (first, room) = self.place(thread.x);
+            let mut row = Row { hits: self.hits, first };
+            let count = all::<COLLECTED>(&self.structure, &ray, room, &mut Uncounted, &mut row);
+            // SAFETY: one thread a ray.
+            unsafe { self.counts.set(thread.x, count) };
+        }
+    }
+
+    /// Where a ray's hits go, and how many fit.
+    #[inline(always)]
+    fn place(&self, ray: u32) -> (u32, u32) {
+        if self.offsets.is_empty() {
+            return (ray * self.limit, self.limit);
+        }
+        let first = self.offsets.at(ray);
+        (first, self.offsets.at(ray + 1) - first)
+    }
+}
+
+/// Room for the hits of one ray.
+struct Row {
+    hits: ViewMut<Hit>,
+    first: u32,
+}
+
+impl Keep for Row {
+    #[inline(always)]
+    fn keep(&mut self, index: u32, hit: &Hit) {
+        // SAFETY: whoever launches gives each ray a place of its own, at least as long as `index` becomes.
+        unsafe { self.hits.set(self.first + index, *hit) };
     }
 }
 
@@ -286,6 +381,14 @@ macro_rules! for_each_kernel {
             occluded_bvh2: $crate::kernels::Occluded<$crate::traverse::Bvh2>,
             occluded_bvh2c: $crate::kernels::Occluded<$crate::traverse::Compact>,
             occluded_bvh: $crate::kernels::Occluded<$crate::traverse::Octants>,
+            count_brute: $crate::kernels::Count<$crate::traverse::Brute>,
+            count_kd: $crate::kernels::Count<$crate::traverse::KdTree>,
+            count_bvh2: $crate::kernels::Count<$crate::traverse::Bvh2>,
+            count_bvh2c: $crate::kernels::Count<$crate::traverse::Compact>,
+            all_brute: $crate::kernels::All<$crate::traverse::Brute>,
+            all_kd: $crate::kernels::All<$crate::traverse::KdTree>,
+            all_bvh2: $crate::kernels::All<$crate::traverse::Bvh2>,
+            all_bvh2c: $crate::kernels::All<$crate::traverse::Compact>,
         }
     };
 }

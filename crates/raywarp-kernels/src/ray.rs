@@ -8,7 +8,12 @@ pub const MISS: u32 = u32::MAX;
 
 /// A half-line, or a piece of it: `origin + t direction` for `t_min <= t <= t_max`.
 ///
-/// The direction need not be a unit vector; `t` is in units of its length. A ray with NaN anywhere hits nothing.
+/// The direction need not be a unit vector; `t` is in units of its length. Both ends belong to the ray, and `t_min` may
+/// be negative: then what lies behind the origin is hit too.
+///
+/// Any floats are legal. A ray hits nothing that has NaN anywhere, an origin or a direction with an infinite coordinate,
+/// a direction of zero, or `t_min > t_max`. Queries ask for a direction whose largest component is from 2^-100 to 2^100,
+/// and others hit nothing.
 #[repr(C, align(16))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
@@ -35,6 +40,26 @@ impl Ray {
         self.direction.mul_add(t, self.origin)
     }
 
+    /// The same ray as queries take it: its ends are finite, for what overflows to infinity is no hit, and a direction
+    /// so short or so long that distances would lose their digits is zero. NaN stays: such a ray hits nothing.
+    #[inline(always)]
+    pub(crate) fn within_range(&self) -> Self {
+        let t_min = if self.t_min < -f32::MAX { -f32::MAX } else { self.t_min };
+        let t_max = if self.t_max > f32::MAX { f32::MAX } else { self.t_max };
+        let length = self.direction.max_abs();
+        let usable = (SHORTEST..=LONGEST).contains(&length);
+        let direction = if usable { self.direction } else { Vec3::ZERO };
+        Self { origin: self.origin, t_min, direction, t_max }
+    }
+
+    /// The piece of the ray where hits after `previous` are.
+    #[inline(always)]
+    pub(crate) fn after(&self, previous: &Hit) -> Self {
+        // Not `max`, which would lose a NaN.
+        let t_min = if previous.t > self.t_min { previous.t } else { self.t_min };
+        Self { t_min, ..*self }
+    }
+
     /// One over each component of the direction, always finite: a component too small to divide by counts as 2^-80 of
     /// the largest, with its own sign, so that a plane through the origin is reached at 0 and never at NaN.
     ///
@@ -46,6 +71,11 @@ impl Ray {
         vec3(finite_inverse(d.x, smallest), finite_inverse(d.y, smallest), finite_inverse(d.z, smallest))
     }
 }
+
+/// 2^-100 and 2^100: with coordinates of 10^6 no distance overflows, with those of 10^-6 the margin of boxes does not
+/// vanish.
+const SHORTEST: f32 = f32::from_bits((127 - 100) << 23);
+const LONGEST: f32 = f32::from_bits((127 + 100) << 23);
 
 /// 2^-80.
 const NEGLIGIBLE: f32 = f32::from_bits((127 - 80) << 23);

@@ -24,6 +24,7 @@ pub mod image;
 pub mod query;
 pub mod render;
 pub mod scene;
+pub mod write;
 
 pub use raywarp_kernels::math::Vec3;
 pub use raywarp_kernels::ray::{Hit, Ray, MISS};

@@ -4,6 +4,7 @@
 //! far the ray is still of interest. Every query is a few lines on top of that. The answer depends on the triangles
 //! alone, never on the structure: ties go to the smaller primitive, see [`Hit::precedes`].
 
+mod all;
 pub mod binary;
 pub mod brute;
 pub mod bvh2;
@@ -14,6 +15,7 @@ pub mod octants;
 use crate::ray::{Hit, Ray, MISS};
 use crate::triangle::{flags, Across, Triangle};
 
+pub use all::{all, Keep, Uncollected};
 pub use brute::Brute;
 pub use bvh2::Bvh2;
 pub use compact::Compact;
@@ -105,9 +107,7 @@ impl Counter for Tests {
 #[inline(always)]
 pub fn closest(structure: &impl Structure, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
     counter.ray();
-    // Not `max`, which would lose a NaN: such a ray hits nothing.
-    let t_min = if previous.t > ray.t_min { previous.t } else { ray.t_min };
-    let ray = Ray { t_min, ..*ray };
+    let ray = ray.after(previous);
     let mut nearest = Nearest { previous, best: Hit { t: ray.t_max, ..Hit::NONE } };
     structure.traverse(&ray, counter, &mut nearest);
     if nearest.best.is_miss() {

@@ -53,6 +53,26 @@ impl<T: Plain> Buffer<T> {
         self.len as u64 * std::mem::size_of::<T>() as u64
     }
 
+    /// Whether the items are in the memory of this device.
+    pub(super) fn is_on(&self, machine: &Machine) -> bool {
+        match (&self.storage, machine) {
+            (Storage::Host(_), Machine::Cpu) => true,
+            (Storage::Cuda(buffer), Machine::Cuda(gpu)) => buffer.is_on(gpu),
+            _ => false,
+        }
+    }
+
+    /// A copy of the items.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the device fails.
+    pub fn to_vec(&self) -> Result<Vec<T>, DeviceError> {
+        match &self.storage {
+            Storage::Host(items) => Ok(items.clone()),
+            Storage::Cuda(buffer) => buffer.download(self.len as usize),
+        }
+    }
+
     /// Brings the items back.
     ///
     /// # Errors

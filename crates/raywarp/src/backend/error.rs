@@ -74,6 +74,14 @@ pub enum DeviceError {
         /// How many.
         len: usize,
     },
+    /// A buffer or a stream that the device cannot use.
+    #[error("the {what} belong to another device than {device}: make them with a handle of the device that uses them")]
+    OtherDevice {
+        /// The device.
+        device: String,
+        /// What belongs to another: "rays".
+        what: &'static str,
+    },
     /// The device failed at work.
     #[error("{device} failed while it {action}: {reason}")]
     Failed {

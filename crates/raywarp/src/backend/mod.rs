@@ -8,6 +8,8 @@ mod choice;
 mod cpu;
 mod cuda;
 mod error;
+mod pace;
+mod stream;
 mod survey;
 
 use raywarp_kernels::kernels::Kernel;
@@ -16,6 +18,9 @@ use raywarp_kernels::view::Plain;
 pub use buffer::Buffer;
 pub use choice::{DeviceChoice, ParseDeviceError};
 pub use error::DeviceError;
+pub(crate) use pace::Pace;
+pub(crate) use stream::Launch;
+pub use stream::Stream;
 pub use survey::{survey, DeviceInfo, DriverInfo, PtxInfo, Survey};
 
 /// A machine that runs kernels. Cloning gives another handle to the same one.
@@ -80,11 +85,7 @@ impl Device {
     /// # Errors
     /// [`DeviceError::Memory`] with both numbers.
     pub fn reserve(&self, bytes: u64, purpose: &str) -> Result<(), DeviceError> {
-        let available = match &self.machine {
-            Machine::Cpu => cpu::available_memory(),
-            Machine::Cuda(gpu) => Some(gpu.free_memory()?),
-        };
-        match available {
+        match self.available_memory()? {
             Some(available) if bytes > available => Err(DeviceError::Memory {
                 device: self.description(),
                 purpose: purpose.to_owned(),
@@ -93,6 +94,42 @@ impl Device {
             }),
             _ => Ok(()),
         }
+    }
+
+    /// Bytes that can still be had without swapping; none where the system does not tell.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the device fails.
+    pub fn available_memory(&self) -> Result<Option<u64>, DeviceError> {
+        match &self.machine {
+            Machine::Cpu => Ok(cpu::available_memory()),
+            Machine::Cuda(gpu) => gpu.free_memory().map(Some),
+        }
+    }
+
+    /// Refuses a buffer of another device.
+    pub(crate) fn check<T: Plain>(&self, buffer: &Buffer<T>, what: &'static str) -> Result<(), DeviceError> {
+        if buffer.is_on(&self.machine) {
+            return Ok(());
+        }
+        Err(DeviceError::OtherDevice { device: self.description(), what })
+    }
+
+    /// Refuses a stream of another device.
+    pub(crate) fn check_stream(&self, stream: &Stream) -> Result<(), DeviceError> {
+        if stream.is_on(&self.machine) {
+            return Ok(());
+        }
+        Err(DeviceError::OtherDevice { device: self.description(), what: "launches of this stream" })
+    }
+
+    /// A queue for kernels that run while the host goes on, beside those of other streams. On the CPU a launch is over
+    /// when it returns.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the device fails.
+    pub fn stream(&self) -> Result<Stream, DeviceError> {
+        Stream::new(&self.machine)
     }
 
     /// Copies `items` to the device. An empty slice makes an empty buffer.

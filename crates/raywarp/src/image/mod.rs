@@ -1,17 +1,17 @@
 //! What a finished picture becomes: PNG for the eye, EXR for further work, layers and heat maps beside them.
 //!
-//! Encoders make bytes in memory; [`write::file`] alone touches the disk, so that a picture is there whole or not at
-//! all.
+//! Encoders make bytes in memory; [`write::file`](crate::write::file) alone touches the disk, so that a picture is there
+//! whole or not at all.
 
 mod color;
 mod digits;
 mod error;
 pub mod exr;
 pub mod false_color;
+mod format;
 pub mod heatmap;
 mod layer;
 pub mod png;
-pub mod write;
 
 use raywarp_kernels::kernels::Surfel;
 use raywarp_kernels::traverse::Tests;
@@ -19,8 +19,8 @@ use raywarp_kernels::traverse::Tests;
 pub(crate) use color::srgb_to_linear_precise;
 pub use color::{srgb_to_linear, Development, ToneMap};
 pub use error::ImageError;
+pub use format::Format;
 pub use layer::Layer;
-pub use write::Format;
 
 /// A rendered picture.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,84 +1,177 @@
-//! Batches of rays, answered without a picture.
+//! Batches of rays, answered without a picture: closest hit, any hit, all hits, their number.
+//!
+//! A [`RayCaster`] holds a scene on a device. It answers slices of any length, in passes that fit the device's memory
+//! ([`batch`](RayCaster::batch) reports on them and can be ended), and buffers of the device ([`device`]), on a stream if
+//! need be. [`files`] reads rays and writes answers as NumPy and CSV files. All four questions are asked of one traversal
+//! and agree: a ray's count is the number of all its hits, the first of which is the closest, and there is any hit where
+//! there is one. What a hit is, and which rays have none, is said at [`Ray`].
 
-use raywarp_kernels::kernels::{Closest, Kernel, Occluded};
+mod batch;
+pub mod device;
+mod error;
+pub mod files;
+mod geometry;
+mod hits;
+mod question;
 
-use crate::accel::{sift, with_structure, Accel, Build, BuildError, Resident};
-use crate::backend::{Device, DeviceError};
+use std::sync::Arc;
+use std::time::Instant;
+
+use crate::accel::{sift, Accel, Build, Dropped, Resident, TreeStats};
+use crate::backend::Device;
+use crate::render::Flat;
+use crate::scene::Scene;
 use crate::{Hit, Ray, Triangle};
 
-/// Triangles on a device, ready to be asked.
+pub use batch::{Batch, Progress};
+pub use error::QueryError;
+pub use geometry::Geometries;
+pub use hits::{AllHits, Hits};
+
+/// Triangles on a device, ready to be asked. Cloning gives another handle to the same.
 ///
 /// ```
 /// use raywarp::accel::AccelKind;
 /// use raywarp::backend::{Device, DeviceChoice};
 /// use raywarp::query::RayCaster;
-/// use raywarp::{Ray, Triangle, Vec3};
+/// use raywarp::{Ray, Vec3};
 ///
-/// let floor = Triangle::new([0.0, 0.0, 0.0].into(), [1.0, 0.0, 0.0].into(), [0.0, 0.0, 1.0].into(), 7, 0);
-/// let caster = RayCaster::new(vec![floor], AccelKind::default(), &Device::open(DeviceChoice::Cpu)?)?;
-/// let down = Ray::new(Vec3::new(0.25, 2.0, 0.25), Vec3::new(0.0, -1.0, 0.0));
-/// let hits = caster.closest(&[down])?;
-/// assert_eq!((hits[0].primitive, hits[0].t), (7, 2.0));
-/// # Ok::<(), raywarp::query::QueryError>(())
+/// let scene = raywarp::scene::load::builtin()?.scene;
+/// let device = Device::open(DeviceChoice::Auto)?;
+/// let caster = RayCaster::from_scene(&scene, AccelKind::default(), &device)?;
+///
+/// let down = Ray::new(Vec3::new(0.1, 5.0, 0.2), Vec3::new(0.0, -1.0, 0.0));
+/// let up = Ray { direction: Vec3::new(0.0, 1.0, 0.0), ..down };
+/// let hits = caster.closest(&[down, up])?;
+/// println!("triangle {} of instance {} at {}", hits.primitive[0], hits.geometry[0], hits.t[0]);
+/// assert_eq!(hits.t[1], f32::INFINITY);
+///
+/// let all = caster.all(&[down, up])?;
+/// assert_eq!(all.hits.t[0], hits.t[0]);
+/// assert_eq!(all.offsets[1] as u32, caster.count(&[down])?[0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[derive(Clone)]
 pub struct RayCaster {
-    device: Device,
-    structure: Resident,
+    shared: Arc<Shared>,
 }
 
-/// Why there is no answer.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum QueryError {
-    /// The structure cannot hold the triangles.
-    #[error(transparent)]
-    Build(#[from] BuildError),
-    /// The device fails.
-    #[error(transparent)]
-    Device(#[from] DeviceError),
+struct Shared {
+    device: Device,
+    structure: Resident,
+    geometries: Geometries,
+    report: Report,
+}
+
+/// What became of the triangles on their way to the device.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Report {
+    /// Triangles that can be hit.
+    pub triangles: usize,
+    /// Triangles that cannot.
+    pub dropped: Dropped,
+    /// The structure.
+    pub tree: TreeStats,
+    /// Seconds to build the structure.
+    pub build_seconds: f64,
 }
 
 impl RayCaster {
-    /// Builds a structure over the triangles that can be hit and copies it to a device.
+    /// Builds a structure over the triangles of all instances and copies it to a device.
+    ///
+    /// # Errors
+    /// The scene has indices out of range, or too many triangles for the structure or for the device's memory.
+    pub fn from_scene(scene: &Scene, what: impl Into<Build>, device: &Device) -> Result<Self, QueryError> {
+        Self::build(Flat::of(scene)?.triangles, Geometries::of(scene), what.into(), device)
+    }
+
+    /// Builds a structure over the triangles that can be hit and copies it to a device. Hits say the numbers that the
+    /// triangles have, and geometry 0.
     ///
     /// # Errors
     /// Too many triangles for the structure or for the device's memory.
     pub fn new(triangles: Vec<Triangle>, what: impl Into<Build>, device: &Device) -> Result<Self, QueryError> {
-        let tree = Accel::build(what, sift(triangles).0)?;
-        Ok(Self { structure: Resident::upload(device, &tree)?, device: device.clone() })
+        Self::build(triangles, Geometries::default(), what.into(), device)
+    }
+
+    fn build(
+        triangles: Vec<Triangle>,
+        geometries: Geometries,
+        what: Build,
+        device: &Device,
+    ) -> Result<Self, QueryError> {
+        let start = Instant::now();
+        let (triangles, dropped) = sift(triangles);
+        let count = triangles.len();
+        let accel = Accel::build(what, triangles)?;
+        let build_seconds = start.elapsed().as_secs_f64();
+        let report = Report { triangles: count, dropped, tree: accel.stats(), build_seconds };
+        device.reserve(report.tree.bytes as u64, "the scene")?;
+        let structure = Resident::upload(device, &accel)?;
+        Ok(Self { shared: Arc::new(Shared { device: device.clone(), structure, geometries, report }) })
+    }
+
+    /// What became of the triangles.
+    pub fn report(&self) -> &Report {
+        &self.shared.report
+    }
+
+    /// Where rays are traced.
+    pub fn device(&self) -> &Device {
+        &self.shared.device
     }
 
     /// The closest hit of each ray; of several at the same distance that of the smallest primitive.
     ///
     /// # Errors
-    /// The device fails, or has no room for the batch.
-    pub fn closest(&self, rays: &[Ray]) -> Result<Vec<Hit>, QueryError> {
-        let rays = self.device.upload(rays)?;
-        let mut hits = self.device.zeroed(rays.len() as usize)?;
-        let answers = hits.view_mut();
-        with_structure!(&self.structure, structure => {
-            self.run(&Closest { structure, rays: rays.view(), hits: answers }, rays.len())?;
-        });
-        Ok(hits.download()?)
+    /// The device fails, or has no room.
+    pub fn closest(&self, rays: &[Ray]) -> Result<Hits, QueryError> {
+        self.batch(rays).closest()
     }
 
-    /// Whether anything stands between the ends of each ray.
+    /// Whether anything stands between the ends of each ray. Every triangle counts as opaque.
     ///
     /// # Errors
-    /// The device fails, or has no room for the batch.
-    pub fn occluded(&self, rays: &[Ray]) -> Result<Vec<bool>, QueryError> {
-        let rays = self.device.upload(rays)?;
-        let mut occluded = self.device.zeroed::<u32>(rays.len() as usize)?;
-        let answers = occluded.view_mut();
-        with_structure!(&self.structure, structure => {
-            self.run(&Occluded { structure, rays: rays.view(), occluded: answers }, rays.len())?;
-        });
-        Ok(occluded.download()?.iter().map(|&answer| answer != 0).collect())
+    /// The device fails, or has no room.
+    pub fn any(&self, rays: &[Ray]) -> Result<Vec<bool>, QueryError> {
+        self.batch(rays).any()
     }
 
-    fn run(&self, kernel: &impl Kernel, rays: u32) -> Result<f64, DeviceError> {
-        // SAFETY: the structure is borrowed and the callers hold the batch and the answers until this returns. The
-        // builders keep their indices in range.
-        unsafe { self.device.launch(kernel, [rays, 1]) }
+    /// How many hits each ray has, each triangle once.
+    ///
+    /// # Errors
+    /// The device fails, or has no room.
+    pub fn count(&self, rays: &[Ray]) -> Result<Vec<u32>, QueryError> {
+        self.batch(rays).count()
+    }
+
+    /// Every hit of each ray, by distance, then by primitive.
+    ///
+    /// # Errors
+    /// The device fails, or has no room.
+    pub fn all(&self, rays: &[Ray]) -> Result<AllHits, QueryError> {
+        self.batch(rays).all()
+    }
+
+    /// The closest hit of each ray as kernels write it: `primitive` numbers the triangles of the whole scene.
+    ///
+    /// # Errors
+    /// The device fails, or has no room.
+    pub fn hits(&self, rays: &[Ray]) -> Result<Vec<Hit>, QueryError> {
+        self.batch(rays).hits()
+    }
+
+    /// A batch to be asked with a bound on hits, or watched.
+    pub fn batch<'a>(&'a self, rays: &'a [Ray]) -> Batch<'a> {
+        Batch::new(self, rays)
+    }
+
+    /// From primitives of the whole scene to instances.
+    pub fn geometries(&self) -> &Geometries {
+        &self.shared.geometries
+    }
+
+    fn structure(&self) -> &Resident {
+        &self.shared.structure
     }
 }

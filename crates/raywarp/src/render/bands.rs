@@ -1,16 +1,10 @@
 //! A picture cut into launches: long enough to fill the device, short enough to report on.
 
 use super::options::Window;
-
-/// Seconds that a launch should take.
-const TARGET: f64 = 0.1;
+use crate::backend::Pace;
 
 /// Rows of a band are a multiple of this, which is a multiple of every tile and block.
 const ROWS: u32 = 16;
-
-/// Pixel samples of the first launch.
-const FIRST_ON_CPU: f64 = 65_536.0;
-const FIRST_ON_GPU: f64 = 4_194_304.0;
 
 /// One launch: rows of the window, and samples of their pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,23 +23,22 @@ pub(super) struct Bands {
     row: u32,
     rows: u32,
     sample: u32,
-    /// Pixel samples that a launch should have.
-    budget: f64,
+    /// In pixel samples.
+    pace: Pace,
     last: u64,
     done: u64,
 }
 
 impl Bands {
     pub fn new(window: Window, spp: u32, gpu: bool) -> Self {
-        let budget = if gpu { FIRST_ON_GPU } else { FIRST_ON_CPU };
-        Self { window, spp, row: 0, rows: 0, sample: 0, budget, last: 0, done: 0 }
+        Self { window, spp, row: 0, rows: 0, sample: 0, pace: Pace::new(gpu), last: 0, done: 0 }
     }
 
     /// The next launch; none when all is done.
     pub fn next(&mut self) -> Option<Band> {
         let [width, height] = self.window.extent;
         if self.sample == 0 {
-            let fitting = self.budget / (width as f64 * self.spp as f64);
+            let fitting = self.pace.items() / (width as f64 * self.spp as f64);
             self.rows = (fitting as u32 / ROWS * ROWS).clamp(ROWS, height.next_multiple_of(ROWS));
             self.rows = self.rows.min(height - self.row);
         }
@@ -53,7 +46,7 @@ impl Bands {
             return None;
         }
         let pixels = width as u64 * self.rows as u64;
-        let samples = ((self.budget / pixels as f64) as u32).clamp(1, self.spp - self.sample);
+        let samples = ((self.pace.items() / pixels as f64) as u32).clamp(1, self.spp - self.sample);
         let band = Band {
             origin: [self.window.origin[0], self.window.origin[1] + self.row],
             extent: [width, self.rows],
@@ -70,8 +63,7 @@ impl Bands {
     /// Learns from the seconds that the last launch took.
     pub fn took(&mut self, seconds: f64) {
         self.done += self.last;
-        let wanted = self.last as f64 * TARGET / seconds.max(1e-6);
-        self.budget = wanted.clamp(self.budget / 8.0, self.budget * 4.0).max(1.0);
+        self.pace.took(self.last, seconds);
     }
 
     pub fn done(&self) -> u64 {

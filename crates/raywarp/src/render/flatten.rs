@@ -11,7 +11,7 @@ use crate::scene::{AlphaMode, Instance, Material, Mesh, Scene};
 
 /// A scene without instances. Optional vertex data is either there for all vertices or for none.
 #[derive(Debug, Default)]
-pub(super) struct Flat {
+pub(crate) struct Flat {
     pub positions: Vec<math::Vec3>,
     pub normals: Vec<math::Vec3>,
     pub uvs: Vec<[f32; 2]>,

@@ -23,7 +23,7 @@ use crate::backend::{Buffer, Device};
 use crate::image::Picture;
 use crate::scene::{Camera, Scene};
 use bands::Bands;
-use flatten::Flat;
+pub(crate) use flatten::Flat;
 use lighting::Lighting;
 use options::Window;
 use resident::ResidentScene;

@@ -7,7 +7,7 @@ use raywarp::{Hit, Ray, Triangle, Vec3};
 use crate::{device, reference, scaled, scene, triangles, Random};
 
 /// Rays of every sort: through the scene, axis-parallel, from surfaces, with limits, without a meaning.
-fn rays(triangles: &[Triangle], count: usize, random: &mut Random) -> Vec<Ray> {
+pub fn rays(triangles: &[Triangle], count: usize, random: &mut Random) -> Vec<Ray> {
     let corner = |random: &mut Random| triangles[random.bits() as usize % triangles.len()].v0;
     (0..count)
         .map(|index| {
@@ -31,7 +31,7 @@ fn rays(triangles: &[Triangle], count: usize, random: &mut Random) -> Vec<Ray> {
         .collect()
 }
 
-fn soup(random: &mut Random) -> Vec<Triangle> {
+pub fn soup(random: &mut Random) -> Vec<Triangle> {
     let triangle = |id| {
         let centre = random.vector() * 2.0;
         let [a, b, c] = [(); 3].map(|()| centre + random.vector() * 0.2);
@@ -49,16 +49,16 @@ fn check(name: &str, triangles: &[Triangle], count: usize) {
     let count = scaled(count);
     let rays = rays(triangles, count, &mut Random(7));
     let oracle = RayCaster::new(triangles.to_vec(), AccelKind::Brute, &reference()).unwrap();
-    let expected = oracle.closest(&rays).unwrap();
+    let expected = oracle.hits(&rays).unwrap();
     assert!(expected.iter().filter(|hit| !hit.is_miss()).count() > count / 3, "{name}: the rays hit something");
-    let occluded = oracle.occluded(&rays).unwrap();
+    let occluded = oracle.any(&rays).unwrap();
     for kind in AccelKind::ALL {
         let caster = RayCaster::new(triangles.to_vec(), kind, &device()).unwrap();
-        let hits = caster.closest(&rays).unwrap();
+        let hits = caster.hits(&rays).unwrap();
         let differing = expected.iter().zip(&hits).filter(|(a, b)| bits(a) != bits(b)).count();
         assert_eq!(differing, 0, "{name}, {kind}: of {count} hits");
         println!("{name}, {kind}: {count} rays, all the same");
-        assert_eq!(caster.occluded(&rays).unwrap(), occluded, "{name}, {kind}: shadows");
+        assert_eq!(caster.any(&rays).unwrap(), occluded, "{name}, {kind}: shadows");
     }
 }
 
@@ -87,9 +87,9 @@ fn no_triangles_and_no_rays() {
     for kind in AccelKind::ALL {
         let empty = RayCaster::new(Vec::new(), kind, &device()).unwrap();
         let ray = Ray::new(Vec3::ZERO, Vec3::new(0.0, 0.0, 1.0));
-        assert!(empty.closest(&[ray]).unwrap()[0].is_miss(), "{kind}");
-        assert_eq!(empty.occluded(&[ray]).unwrap(), [false], "{kind}");
-        assert!(empty.closest(&[]).unwrap().is_empty(), "{kind}");
+        assert!(empty.hits(&[ray]).unwrap()[0].is_miss(), "{kind}");
+        assert_eq!(empty.any(&[ray]).unwrap(), [false], "{kind}");
+        assert!(empty.hits(&[]).unwrap().is_empty(), "{kind}");
     }
 }
 
@@ -100,7 +100,7 @@ fn two_machines_give_the_same_bits() {
     let rays = rays(&triangles, scaled(1_000_000), &mut Random(3));
     for kind in [AccelKind::Kd, AccelKind::Bvh] {
         let [a, b] = [reference(), device()]
-            .map(|device| RayCaster::new(triangles.clone(), kind, &device).unwrap().closest(&rays).unwrap());
+            .map(|device| RayCaster::new(triangles.clone(), kind, &device).unwrap().hits(&rays).unwrap());
         let differing = a.iter().zip(&b).filter(|(a, b)| bits(a) != bits(b)).count();
         assert_eq!(differing, 0, "{kind}: of {} hits", rays.len());
     }

@@ -6,6 +6,7 @@
 
 mod hits;
 mod pictures;
+mod queries;
 mod watertight;
 
 use std::path::PathBuf;

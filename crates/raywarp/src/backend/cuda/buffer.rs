@@ -57,6 +57,10 @@ impl<T: Plain> CudaBuffer<T> {
         Ok(target)
     }
 
+    pub fn is_on(&self, gpu: &Cuda) -> bool {
+        self.gpu.is(gpu)
+    }
+
     pub fn address(&self) -> u64 {
         self.bytes.device_ptr(self.gpu.stream()).0
     }

@@ -2,26 +2,20 @@
 
 mod buffer;
 mod ptx;
+mod stream;
 
 use std::collections::HashMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use cudarc::driver::{
-    sys, CudaContext, CudaFunction, CudaStream, DeviceRepr, DriverError, LaunchConfig, PushKernelArg,
-};
+use cudarc::driver::{sys, CudaContext, CudaFunction, CudaStream, DriverError};
 use cudarc::nvrtc::Ptx;
 use raywarp_kernels::kernels::Kernel;
 
 use super::{DeviceError, DeviceInfo};
 pub(super) use buffer::CudaBuffer;
 pub(super) use ptx::info as ptx_info;
-
-/// Threads of a block: columns and rows. A warp is then a tile of 8 x 4 pixels.
-const BLOCK: [u32; 2] = [8, 16];
-
-/// Threads of a block of a launch with a single row.
-const BLOCK_ROW: [u32; 2] = [128, 1];
+pub(super) use stream::{CudaLaunch, Stream};
 
 /// A CUDA device with the kernels that were needed so far.
 #[derive(Clone)]
@@ -43,13 +37,6 @@ impl fmt::Debug for Cuda {
     }
 }
 
-/// A kernel's parameter block, passed by value.
-#[repr(transparent)]
-struct Parameters<K>(K);
-
-// SAFETY: a kernel is a `repr(C)` block of numbers and views, the same on host and device.
-unsafe impl<K: Kernel> DeviceRepr for Parameters<K> {}
-
 impl Cuda {
     /// # Errors
     /// No driver, no such device, or one that is too old.
@@ -67,8 +54,9 @@ impl Cuda {
         if (major, minor) < (7, 5) {
             return Err(DeviceError::TooOld { device: name, has: (major as u32, minor as u32) });
         }
-        // One stream runs everything in order, so there is nothing for the events of cudarc's own bookkeeping to order.
-        // SAFETY: only this stream ever uses the buffers of this context.
+        // One stream copies, clears and frees in order, so there is nothing for the events of cudarc's own bookkeeping
+        // to order. Kernels on other streams wait for this one, and the host for them, see `stream::Stream`.
+        // SAFETY: this stream alone touches the buffers of this context while no such kernel runs.
         unsafe { context.disable_event_tracking() };
         let stream = context.new_stream().map_err(driver_error)?;
         let shared = Shared { name, index, stream, context, kernels: Mutex::new(HashMap::new()) };
@@ -114,28 +102,16 @@ impl Cuda {
         DeviceError::Failed { device: self.description(), action: action.to_owned(), reason: explain(error) }
     }
 
+    /// Whether both are handles to the same device, whose buffers the same stream orders.
+    pub fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.shared, &other.shared)
+    }
+
     /// # Safety
     /// As for [`Device::launch`](super::Device::launch).
     pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<f64, DeviceError> {
-        if extent.contains(&0) {
-            return Ok(0.0);
-        }
-        let function = self.function(K::NAME)?;
-        let parameters = Parameters(*kernel);
-        let run = || -> Result<f64, DriverError> {
-            let timing = Some(sys::CUevent_flags::CU_EVENT_DEFAULT);
-            let start = self.context().new_event(timing)?;
-            let end = self.context().new_event(timing)?;
-            start.record(self.stream())?;
-            let mut launch = self.stream().launch_builder(&function);
-            launch.arg(&parameters);
-            // SAFETY: the entry point takes exactly this parameter block; its views are the caller's promise.
-            unsafe { launch.launch(configuration(extent)) }?;
-            end.record(self.stream())?;
-            end.synchronize()?;
-            Ok(start.elapsed_ms(&end)? as f64 * 1e-3)
-        };
-        run().map_err(|error| self.failed(&format!("ran the kernel {}", K::NAME), error))
+        // SAFETY: the caller's promise, as the launch is waited for.
+        unsafe { stream::launch(self, self.stream(), kernel, extent) }?.wait()
     }
 
     /// Loads a kernel the first time that it is needed: the driver compiles PTX when it loads it, which takes a moment
@@ -156,15 +132,6 @@ impl Cuda {
         let function = module.load_function(name).map_err(|e| refused(explain(e)))?;
         kernels.insert(name, function.clone());
         Ok(function)
-    }
-}
-
-fn configuration(extent: [u32; 2]) -> LaunchConfig {
-    let block = if extent[1] == 1 { BLOCK_ROW } else { BLOCK };
-    LaunchConfig {
-        grid_dim: (extent[0].div_ceil(block[0]), extent[1].div_ceil(block[1]), 1),
-        block_dim: (block[0], block[1], 1),
-        shared_mem_bytes: 0,
     }
 }
 

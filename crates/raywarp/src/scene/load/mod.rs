@@ -6,7 +6,7 @@ mod images;
 mod mtl;
 mod obj;
 mod ply;
-mod quote;
+pub(crate) mod quote;
 mod repair;
 mod source;
 mod text;

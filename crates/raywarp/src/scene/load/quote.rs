@@ -6,7 +6,7 @@ const LONGEST_QUOTE: usize = 40;
 const LONGEST_NAME: usize = 160;
 
 /// A piece of a file in quotes, escaped and cut to 40 characters.
-pub(super) fn quote(bytes: &[u8]) -> String {
+pub(crate) fn quote(bytes: &[u8]) -> String {
     // A character has at most four bytes: no more than these can be shown.
     let head = &bytes[..bytes.len().min(4 * LONGEST_QUOTE + 4)];
     let text = String::from_utf8_lossy(head);

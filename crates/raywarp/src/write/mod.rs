@@ -1,59 +1,25 @@
 //! Files that are whole or not there.
 
+mod error;
+
 use std::ffi::OsString;
-use std::fmt;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
-use super::ImageError;
-
-/// Kinds of picture files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// Eight bits a channel, sRGB.
-    Png,
-    /// 32 bits a channel, linear, with layers.
-    Exr,
-}
-
-impl Format {
-    /// What a file's extension asks for; `-` is PNG to standard output.
-    ///
-    /// # Errors
-    /// [`ImageError::UnknownExtension`].
-    pub fn of(path: &Path) -> Result<Self, ImageError> {
-        if is_standard_output(path) {
-            return Ok(Self::Png);
-        }
-        match path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase().as_str() {
-            "png" => Ok(Self::Png),
-            "exr" => Ok(Self::Exr),
-            _ => Err(ImageError::UnknownExtension(path.to_owned())),
-        }
-    }
-}
-
-impl fmt::Display for Format {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Png => "PNG",
-            Self::Exr => "EXR",
-        })
-    }
-}
+pub use error::WriteError;
 
 /// Whether a path is `-`.
-pub fn is_standard_output(path: &Path) -> bool {
+pub fn is_dash(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Finds out whether [`file()`] can be expected to succeed, before hours of rendering.
+/// Finds out whether [`file()`] can be expected to succeed, before hours of work.
 ///
 /// # Errors
 /// As [`file()`].
-pub fn check(path: &Path) -> Result<(), ImageError> {
-    if is_standard_output(path) {
+pub fn check(path: &Path) -> Result<(), WriteError> {
+    if is_dash(path) {
         return Ok(());
     }
     match Target::of(path)? {
@@ -66,24 +32,65 @@ pub fn check(path: &Path) -> Result<(), ImageError> {
 /// `bytes`. A device or a pipe is written to as it is; `-` is standard output.
 ///
 /// # Errors
-/// [`ImageError`] with the reason; no temporary file is left then.
-pub fn file(path: &Path, bytes: &[u8]) -> Result<(), ImageError> {
-    let written = if is_standard_output(path) {
-        let mut output = io::stdout().lock();
-        output.write_all(bytes).and_then(|()| output.flush())
+/// [`WriteError`] with the reason; no temporary file is left then.
+pub fn file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    let written = if is_dash(path) {
+        to_standard_output(|output| output.write_all(bytes))
     } else {
         match Target::of(path)? {
-            Target::Special(target) => {
-                OpenOptions::new().write(true).open(target).and_then(|mut file| file.write_all(bytes))
-            }
-            Target::File(target) => replace(&target, bytes),
+            Target::Special(target) => to_special(&target, |output| output.write_all(bytes)),
+            Target::File(target) => replace(&target, |file| file.write_all(bytes)),
         }
     };
-    written.map_err(|error| from_io(path, bytes.len(), error))
+    written.map_err(|error| from_io(path, bytes.len() as u64, error))
 }
 
-fn from_io(path: &Path, bytes: usize, error: io::Error) -> ImageError {
-    ImageError::from_io(path.to_owned(), bytes, error)
+/// As [`file()`] for what need not fit in memory, of about `bytes` bytes: `fill` writes it into an empty file, and may
+/// go back in it.
+///
+/// # Errors
+/// As [`file()`].
+pub fn with(path: &Path, bytes: u64, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), WriteError> {
+    let written = if is_dash(path) {
+        by_way_of_a_file(fill).and_then(|mut file| to_standard_output(|output| io::copy(&mut file, output).map(drop)))
+    } else {
+        match Target::of(path)? {
+            Target::Special(target) => by_way_of_a_file(fill)
+                .and_then(|mut file| to_special(&target, |output| io::copy(&mut file, output).map(drop))),
+            Target::File(target) => replace(&target, fill),
+        }
+    };
+    written.map_err(|error| from_io(path, bytes, error))
+}
+
+/// What a pipe gets has to be in order: a file without a name holds it until it is.
+fn by_way_of_a_file(fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<File> {
+    let mut file = tempfile::tempfile()?;
+    fill(&mut file)?;
+    file.rewind()?;
+    Ok(file)
+}
+
+fn to_standard_output(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut output = io::stdout().lock();
+    write(&mut output)?;
+    output.flush()
+}
+
+fn to_special(target: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    write(&mut OpenOptions::new().write(true).open(target)?)
+}
+
+fn from_io(path: &Path, bytes: u64, error: io::Error) -> WriteError {
+    WriteError::from_io(path.to_owned(), bytes, error)
+}
+
+/// The folder of a file that is to be written; the working directory's for a bare name and for standard output.
+pub fn directory_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+        _ => PathBuf::from("."),
+    }
 }
 
 /// What is at the end of a path and its symbolic links.
@@ -95,9 +102,9 @@ enum Target {
 }
 
 impl Target {
-    fn of(path: &Path) -> Result<Self, ImageError> {
+    fn of(path: &Path) -> Result<Self, WriteError> {
         match fs::metadata(path) {
-            Ok(metadata) if metadata.is_dir() => Err(ImageError::Directory(path.to_owned())),
+            Ok(metadata) if metadata.is_dir() => Err(WriteError::Directory(path.to_owned())),
             Ok(metadata) => {
                 let target = fs::canonicalize(path).map_err(|error| from_io(path, 0, error))?;
                 Ok(if metadata.is_file() { Self::File(target) } else { Self::Special(target) })
@@ -106,28 +113,21 @@ impl Target {
         }
     }
 
-    fn new_file(path: &Path) -> Result<Self, ImageError> {
+    fn new_file(path: &Path) -> Result<Self, WriteError> {
         if path.file_name().is_none() {
-            return Err(ImageError::Directory(path.to_owned()));
+            return Err(WriteError::Directory(path.to_owned()));
         }
         let directory = directory_of(path);
         if !directory.is_dir() {
-            return Err(ImageError::NoDirectory { path: path.to_owned(), directory });
+            return Err(WriteError::NoDirectory { path: path.to_owned(), directory });
         }
         Ok(Self::File(path.to_owned()))
     }
 }
 
-fn directory_of(path: &Path) -> PathBuf {
-    match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
-        _ => PathBuf::from("."),
-    }
-}
-
-fn replace(target: &Path, bytes: &[u8]) -> io::Result<()> {
+fn replace(target: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let mut temporary = Temporary::create(target)?;
-    temporary.file.write_all(bytes)?;
+    fill(&mut temporary.file)?;
     // Else a power failure could leave the new name with none of the contents.
     temporary.file.sync_all()?;
     fs::rename(&temporary.path, target)?;
@@ -184,6 +184,18 @@ mod tests {
         assert_eq!(names(directory.path()), ["a.png"]);
     }
 
+    #[test]
+    fn a_file_that_is_not_finished_never_was() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.npz");
+        file(&path, b"old").unwrap();
+        let failed = with(&path, 0, |file| file.write_all(b"half").and(Err(io::Error::other("no more"))));
+        assert!(matches!(failed, Err(WriteError::Write { .. })));
+        assert_eq!((fs::read(&path).unwrap(), names(directory.path())), (b"old".to_vec(), vec!["a.npz".to_owned()]));
+        with(&path, 3, |file| file.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+    }
+
     #[cfg(unix)]
     #[test]
     fn a_link_stays_a_link() {
@@ -200,9 +212,8 @@ mod tests {
     fn what_cannot_be_written_is_said() {
         let directory = tempfile::tempdir().unwrap();
         let inside = |name: &str| directory.path().join(name);
-        assert!(matches!(file(directory.path(), b""), Err(ImageError::Directory(_))));
-        assert!(matches!(check(&inside("none/a.png")), Err(ImageError::NoDirectory { .. })));
-        assert!(matches!(Format::of(&inside("a.gif")), Err(ImageError::UnknownExtension(_))));
+        assert!(matches!(file(directory.path(), b""), Err(WriteError::Directory(_))));
+        assert!(matches!(check(&inside("none/a.png")), Err(WriteError::NoDirectory { .. })));
         assert!(names(directory.path()).is_empty());
     }
 }

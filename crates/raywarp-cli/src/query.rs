@@ -1,0 +1,225 @@
+//! `raywarp query`.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::Context;
+use raywarp::backend::Device;
+use raywarp::query::files::{AnswerWriter, Answers, Format, Mode, RayReader};
+use raywarp::query::{Batch, Progress, RayCaster};
+use raywarp::write;
+use serde::Serialize;
+
+use crate::interrupt::Interrupt;
+use crate::options::QueryOptions;
+use crate::progress::{Bar, Words};
+use crate::render::{limit_threads, read, refuse_dropped};
+use crate::say;
+
+/// Rays that are read, asked and put aside at once: 128 MiB of them.
+const PIECE: usize = 1 << 22;
+
+/// Answers the rays of a file.
+pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
+    let interrupt = Interrupt::install();
+    let start = Instant::now();
+    let mut answers = plan(options, &interrupt)?;
+    // A bad file of rays is told before a large scene is read.
+    let mut rays = RayReader::open(&options.rays)?;
+    limit_threads(options.threads)?;
+    let loaded = read(options.scene.as_deref(), options.strict)?;
+    let load_seconds = start.elapsed().as_secs_f64();
+    let device = Device::open(options.device)?;
+    let caster = RayCaster::from_scene(&loaded.scene, options.accel, &device)?;
+    refuse_dropped(options.strict, &caster.report().dropped)?;
+    if !options.quiet {
+        say::warnings(&loaded.warnings);
+        say::dropped(&caster.report().dropped);
+        say::fallback(&device);
+        if rays.is_rounded() {
+            say::line("note: the rays are float64, and rounded to float32");
+        }
+    }
+
+    let asking = Instant::now();
+    let kernel_seconds = ask(options, &caster, &mut rays, &mut answers)?;
+    let query_seconds = asking.elapsed().as_secs_f64();
+    let report = Report {
+        device: device.description(),
+        accel: options.accel.to_string(),
+        mode: options.mode.to_string(),
+        triangles: caster.report().triangles as u64,
+        rays: answers.rays(),
+        hits: answers.hits(),
+        million_rays_per_second: 1e-6 * answers.rays() as f64 / kernel_seconds.max(1e-9),
+        seconds: Seconds {
+            load: load_seconds,
+            build: caster.report().build_seconds,
+            kernel: kernel_seconds,
+            query: query_seconds,
+            save: 0.0,
+        },
+    };
+    let saving = Instant::now();
+    save(options, answers, rays.shape(), &interrupt)?;
+    conclude(options, report, saving.elapsed().as_secs_f64(), start.elapsed().as_secs_f64())
+}
+
+/// What a run did.
+#[derive(Debug, Serialize)]
+struct Report {
+    device: String,
+    accel: String,
+    mode: String,
+    triangles: u64,
+    rays: u64,
+    /// Hits of all rays; for `closest` and `any` rays with a hit.
+    hits: u64,
+    /// By the time of the kernels.
+    million_rays_per_second: f64,
+    seconds: Seconds,
+}
+
+/// Where the time went.
+#[derive(Debug, Serialize)]
+struct Seconds {
+    load: f64,
+    build: f64,
+    kernel: f64,
+    /// Reading rays, copying and answers included.
+    query: f64,
+    save: f64,
+}
+
+/// Where the answers go, once it is known that they can.
+fn plan(options: &QueryOptions, interrupt: &Interrupt) -> anyhow::Result<AnswerWriter> {
+    let (mode, output) = (options.mode, options.output.as_path());
+    anyhow::ensure!(
+        options.max_hits.is_none() || matches!(mode, Mode::All | Mode::Count),
+        "--max-hits bounds what --mode all and --mode count find, and {mode} finds one hit: leave it out"
+    );
+    anyhow::ensure!(
+        !options.json || !write::is_dash(output),
+        "--json and the answers cannot both go to standard output: give -o a file"
+    );
+    let format = format(options)?;
+    // Trying whether a file can be written makes one for a moment.
+    let held = interrupt.hold();
+    write::check(output)?;
+    drop(held);
+    AnswerWriter::new(mode, format, &spool(output)).with_context(|| {
+        format!("the answers to --mode {mode} are several arrays, and a .npy file holds one: write .npz or .csv")
+    })
+}
+
+fn format(options: &QueryOptions) -> anyhow::Result<Format> {
+    let output = options.output.as_path();
+    match options.format.or_else(|| Format::of(output)) {
+        Some(format) => Ok(format),
+        None if write::is_dash(output) => Ok(Format::Csv),
+        None => anyhow::bail!(
+            "cannot write {}: its name does not end in .npz, .npy or .csv. Give one of these endings, or --format",
+            output.display()
+        ),
+    }
+}
+
+/// Where answers wait that do not fit in memory: beside the file, where there has to be room for them anyway.
+fn spool(output: &Path) -> PathBuf {
+    match std::fs::metadata(output) {
+        Ok(metadata) if metadata.is_file() => write::directory_of(output),
+        Err(_) if !write::is_dash(output) => write::directory_of(output),
+        _ => std::env::temp_dir(),
+    }
+}
+
+/// Puts the answers to all rays aside; returns the seconds that kernels ran.
+fn ask(
+    options: &QueryOptions,
+    caster: &RayCaster,
+    reader: &mut RayReader,
+    answers: &mut AnswerWriter,
+) -> anyhow::Result<f64> {
+    let mut bar = Bar::new(options.quiet, Words::Query);
+    let mut kernel_seconds = 0.0;
+    let mut rays = Vec::new();
+    loop {
+        reader.read(PIECE, &mut rays)?;
+        if rays.is_empty() {
+            return Ok(kernel_seconds);
+        }
+        let (before, mut piece_seconds) = (answers.rays(), 0.0);
+        let mut watch = |progress: Progress| {
+            piece_seconds = progress.kernel_seconds;
+            bar.update(before + progress.done as u64, reader.rays());
+            ControlFlow::Continue(())
+        };
+        let batch = caster.batch(&rays).max_hits(options.max_hits.unwrap_or(u32::MAX));
+        answer(options.mode, batch.watched(&mut watch), answers)?;
+        kernel_seconds += piece_seconds;
+    }
+}
+
+/// Asks a batch and puts its answers aside.
+fn answer(mode: Mode, batch: Batch, answers: &mut AnswerWriter) -> anyhow::Result<()> {
+    let kept = match mode {
+        Mode::Closest => answers.add(Answers::Closest(&batch.closest()?)),
+        Mode::Any => answers.add(Answers::Any(&batch.any()?)),
+        Mode::Count => answers.add(Answers::Count(&batch.count()?)),
+        Mode::All => {
+            let mut kept = Ok(());
+            let asked = batch.all_by_parts(&mut |part| {
+                kept = answers.add(Answers::All(&part));
+                match kept {
+                    Ok(()) => ControlFlow::Continue(()),
+                    Err(_) => ControlFlow::Break(()),
+                }
+            });
+            // Where there was no room the work was stopped, and that is no news.
+            if kept.is_ok() {
+                asked?;
+            }
+            kept
+        }
+    };
+    kept.context("the answers do not fit in memory, and cannot be put aside beside the output")
+}
+
+fn save(
+    options: &QueryOptions,
+    mut answers: AnswerWriter,
+    shape: Option<&[u64]>,
+    interrupt: &Interrupt,
+) -> anyhow::Result<()> {
+    let output = options.output.as_path();
+    let bytes = answers.bytes()?;
+    // A pipe may wait for its reader for ever: Ctrl-C has to work there, and leaves no file.
+    let _held = (!write::is_dash(output)).then(|| interrupt.hold());
+    write::with(output, bytes, |file| answers.write(shape, &mut interrupt.stop(file)))?;
+    Ok(())
+}
+
+fn conclude(options: &QueryOptions, mut report: Report, save_seconds: f64, total: f64) -> anyhow::Result<()> {
+    report.seconds.save = save_seconds;
+    if options.json {
+        say::out(format!("{}\n", serde_json::to_string_pretty(&report)?).as_bytes())?;
+    }
+    if !options.quiet {
+        let name = match write::is_dash(&options.output) {
+            true => "standard output".to_owned(),
+            false => options.output.display().to_string(),
+        };
+        say::line(&format!(
+            "{name}: {} rays, {} {} on {} in {} (kernels {}, {:.1} million rays a second)",
+            report.rays,
+            report.hits,
+            if matches!(options.mode, Mode::Any | Mode::Closest) { "with a hit" } else { "hits" },
+            report.device,
+            say::seconds(total),
+            say::seconds(report.seconds.kernel),
+            report.million_rays_per_second,
+        ));
+    }
+    Ok(())
+}

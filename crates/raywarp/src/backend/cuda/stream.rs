@@ -1,0 +1,111 @@
+//! Kernels that run while the host goes on.
+
+use std::sync::Arc;
+
+use cudarc::driver::{sys, CudaEvent, CudaStream, DeviceRepr, DriverError, LaunchConfig, PushKernelArg};
+use raywarp_kernels::kernels::Kernel;
+
+use super::{driver_error, Cuda, DeviceError};
+
+/// Threads of a block: columns and rows. A warp is then a tile of 8 x 4 pixels.
+const BLOCK: [u32; 2] = [8, 16];
+
+/// Threads of a block of a launch with a single row.
+const BLOCK_ROW: [u32; 2] = [128, 1];
+
+/// A kernel's parameter block, passed by value.
+#[repr(transparent)]
+struct Parameters<K>(K);
+
+// SAFETY: a kernel is a `repr(C)` block of numbers and views, the same on host and device.
+unsafe impl<K: Kernel> DeviceRepr for Parameters<K> {}
+
+/// A queue of kernels beside the device's own stream.
+#[derive(Clone)]
+pub(in crate::backend) struct Stream {
+    gpu: Cuda,
+    stream: Arc<CudaStream>,
+}
+
+impl Stream {
+    pub fn new(gpu: &Cuda) -> Result<Self, DeviceError> {
+        let stream = gpu.context().new_stream().map_err(driver_error)?;
+        Ok(Self { gpu: gpu.clone(), stream })
+    }
+
+    pub fn gpu(&self) -> &Cuda {
+        &self.gpu
+    }
+
+    /// # Safety
+    /// As for [`launch`].
+    pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<CudaLaunch, DeviceError> {
+        // The device's own stream may still be clearing what this kernel is about to use.
+        let after = self.stream.join(self.gpu.stream());
+        after.map_err(|error| self.gpu.failed("put its streams in order", error))?;
+        // SAFETY: the caller's promise.
+        unsafe { launch(&self.gpu, &self.stream, kernel, extent) }
+    }
+}
+
+/// Starts a kernel.
+///
+/// # Safety
+/// As for [`Device::launch`](crate::backend::Device::launch), until the launch has been waited for.
+pub(super) unsafe fn launch<K: Kernel>(
+    gpu: &Cuda,
+    stream: &CudaStream,
+    kernel: &K,
+    extent: [u32; 2],
+) -> Result<CudaLaunch, DeviceError> {
+    let mut started = CudaLaunch { gpu: gpu.clone(), name: K::NAME, events: None };
+    if extent.contains(&0) {
+        return Ok(started);
+    }
+    let function = gpu.function(K::NAME)?;
+    let parameters = Parameters(*kernel);
+    let run = || -> Result<[CudaEvent; 2], DriverError> {
+        let timing = Some(sys::CUevent_flags::CU_EVENT_DEFAULT);
+        let (start, end) = (gpu.context().new_event(timing)?, gpu.context().new_event(timing)?);
+        start.record(stream)?;
+        let mut launch = stream.launch_builder(&function);
+        launch.arg(&parameters);
+        // SAFETY: the entry point takes exactly this parameter block; its views are the caller's promise.
+        unsafe { launch.launch(configuration(extent)) }?;
+        // A kernel that nobody can wait for must not outlive this call.
+        end.record(stream).or_else(|error| stream.synchronize().and(Err(error)))?;
+        Ok([start, end])
+    };
+    started.events = Some(run().map_err(|error| started.failed(error))?);
+    Ok(started)
+}
+
+fn configuration(extent: [u32; 2]) -> LaunchConfig {
+    let block = if extent[1] == 1 { BLOCK_ROW } else { BLOCK };
+    LaunchConfig {
+        grid_dim: (extent[0].div_ceil(block[0]), extent[1].div_ceil(block[1]), 1),
+        block_dim: (block[0], block[1], 1),
+        shared_mem_bytes: 0,
+    }
+}
+
+/// A kernel under way: its start and its end. None for a launch without threads.
+pub(in crate::backend) struct CudaLaunch {
+    gpu: Cuda,
+    name: &'static str,
+    events: Option<[CudaEvent; 2]>,
+}
+
+impl CudaLaunch {
+    /// Waits for the kernel; returns the seconds it took.
+    pub fn wait(&self) -> Result<f64, DeviceError> {
+        let Some([start, end]) = &self.events else { return Ok(0.0) };
+        end.synchronize().map_err(|error| self.failed(error))?;
+        let milliseconds = start.elapsed_ms(end).map_err(|error| self.failed(error))?;
+        Ok(f64::from(milliseconds) * 1e-3)
+    }
+
+    fn failed(&self, error: DriverError) -> DeviceError {
+        self.gpu.failed(&format!("ran the kernel {}", self.name), error)
+    }
+}

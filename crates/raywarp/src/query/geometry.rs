@@ -1,0 +1,65 @@
+//! From the number of a triangle in the whole scene to an instance and a triangle of its mesh.
+
+use glam::Mat3;
+
+use crate::scene::Scene;
+use crate::{Hit, MISS};
+
+/// Where the triangles of each instance begin: kernels number those of the whole scene, one instance after the other.
+#[derive(Clone, Debug, Default)]
+pub struct Geometries {
+    /// Number of each instance's first triangle, ascending. Empty: one geometry, with the numbers as they are.
+    first: Vec<u32>,
+    /// Whether the instance is mirrored: then its triangles are traced with vertices 1 and 2 exchanged.
+    mirrored: Vec<bool>,
+}
+
+impl Geometries {
+    /// Of a scene's instances, in their order.
+    pub fn of(scene: &Scene) -> Self {
+        let triangles = scene.instances.iter().map(|i| scene.meshes.get(i.mesh).map_or(0, |mesh| mesh.triangles.len()));
+        // More than 2^32 are refused when the scene is flattened.
+        let first = triangles.scan(0usize, |next, own| Some(std::mem::replace(next, *next + own) as u32)).collect();
+        let mirrored = scene.instances.iter().map(|instance| {
+            let linear = Mat3::from_cols_array_2d(&instance.transform.columns);
+            linear.determinant() < 0.0
+        });
+        Self { first, mirrored: mirrored.collect() }
+    }
+
+    /// The instance, and the triangle within its mesh; [`MISS`] twice for a miss.
+    pub fn locate(&self, primitive: u32) -> (u32, u32) {
+        if primitive == MISS {
+            return (MISS, MISS);
+        }
+        // Of instances that begin alike all but the last are empty.
+        match self.first.partition_point(|&first| first <= primitive).checked_sub(1) {
+            Some(geometry) => (geometry as u32, primitive - self.first[geometry]),
+            None => (0, primitive),
+        }
+    }
+
+    /// The weights of vertices 1 and 2 as the mesh numbers them.
+    pub(super) fn barycentrics(&self, hit: &Hit) -> [f32; 2] {
+        match self.mirrored.get(self.locate(hit.primitive).0 as usize) {
+            Some(true) => [hit.v, hit.u],
+            _ => [hit.u, hit.v],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn empty_instances_have_no_triangles() {
+        let table = Geometries { first: vec![0, 0, 5, 5, 5, 7], mirrored: vec![false; 6] };
+        for (primitive, place) in
+            [(0, (1, 0)), (4, (1, 4)), (5, (4, 0)), (6, (4, 1)), (7, (5, 0)), (MISS, (MISS, MISS))]
+        {
+            assert_eq!(table.locate(primitive), place);
+        }
+        assert_eq!(Geometries::default().locate(9), (0, 9));
+    }
+}
