@@ -8,6 +8,7 @@ mod choice;
 mod cpu;
 mod cuda;
 mod error;
+mod kernel_info;
 mod survey;
 
 use raywarp_kernels::kernels::Kernel;
@@ -16,6 +17,7 @@ use raywarp_kernels::view::Plain;
 pub use buffer::Buffer;
 pub use choice::{DeviceChoice, ParseDeviceError};
 pub use error::DeviceError;
+pub use kernel_info::KernelInfo;
 pub use survey::{survey, DeviceInfo, DriverInfo, PtxInfo, Survey};
 
 /// A machine that runs kernels. Cloning gives another handle to the same one.
@@ -109,6 +111,17 @@ impl Device {
     /// [`DeviceError`] where the device has no room.
     pub fn zeroed<T: Plain>(&self, len: usize) -> Result<Buffer<T>, DeviceError> {
         Buffer::zeroed(&self.machine, len)
+    }
+
+    /// What a kernel takes of a CUDA device when it is launched over `extent`; nothing on the CPU.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the driver cannot load the kernel or does not answer.
+    pub fn kernel_info<K: Kernel>(&self, _kernel: &K, extent: [u32; 2]) -> Result<Option<KernelInfo>, DeviceError> {
+        match &self.machine {
+            Machine::Cpu => Ok(None),
+            Machine::Cuda(gpu) => gpu.kernel_info::<K>(extent).map(Some),
+        }
     }
 
     /// Runs a kernel, one thread for each column and row of `extent`, and waits for it. Returns the seconds it took on

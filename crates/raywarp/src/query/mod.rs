@@ -1,10 +1,19 @@
-//! Batches of rays, answered without a picture.
+//! Batches of rays, answered without a picture; and the batches that raywarp and its peers are measured with, see
+//! [`RaySource`].
+
+mod ray_kind;
+mod timed;
+mod workload;
 
 use raywarp_kernels::kernels::{Closest, Kernel, Occluded};
 
 use crate::accel::{sift, with_structure, Accel, Build, BuildError, Resident};
 use crate::backend::{Device, DeviceError};
 use crate::{Hit, Ray, Triangle};
+
+pub use ray_kind::{RayKind, UnknownRayKind};
+pub use timed::{Answers, Batch};
+pub use workload::{opaque_triangles, RaySource, Spot, Workload};
 
 /// Triangles on a device, ready to be asked.
 ///

@@ -1,9 +1,9 @@
 //! From a scene to a picture: flatten it, build the tree, put both on a device, trace.
 
 mod bands;
-mod camera;
+pub(crate) mod camera;
 mod error;
-mod flatten;
+pub(crate) mod flatten;
 mod lighting;
 mod materials;
 mod options;

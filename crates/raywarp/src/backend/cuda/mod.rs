@@ -13,7 +13,7 @@ use cudarc::driver::{
 use cudarc::nvrtc::Ptx;
 use raywarp_kernels::kernels::Kernel;
 
-use super::{DeviceError, DeviceInfo};
+use super::{DeviceError, DeviceInfo, KernelInfo};
 pub(super) use buffer::CudaBuffer;
 pub(super) use ptx::info as ptx_info;
 
@@ -136,6 +136,27 @@ impl Cuda {
             Ok(start.elapsed_ms(&end)? as f64 * 1e-3)
         };
         run().map_err(|error| self.failed(&format!("ran the kernel {}", K::NAME), error))
+    }
+
+    /// What a kernel takes when it is launched over `extent`.
+    pub fn kernel_info<K: Kernel>(&self, extent: [u32; 2]) -> Result<KernelInfo, DeviceError> {
+        use sys::CUdevice_attribute::CU_DEVICE_ATTRIBUTE_MAX_THREADS_PER_MULTIPROCESSOR;
+        let function = self.function(K::NAME)?;
+        let (columns, rows, _) = configuration(extent).block_dim;
+        let block_threads = columns * rows;
+        let ask = || -> Result<KernelInfo, DriverError> {
+            let most = self.context().attribute(CU_DEVICE_ATTRIBUTE_MAX_THREADS_PER_MULTIPROCESSOR)?;
+            let blocks = function.occupancy_max_active_blocks_per_multiprocessor(block_threads, 0, None)?;
+            Ok(KernelInfo {
+                name: K::NAME,
+                registers: function.num_regs()? as u32,
+                local_bytes: function.local_size_bytes()? as u32,
+                shared_bytes: function.shared_size_bytes()? as u32,
+                block_threads,
+                occupancy: f64::from(blocks * block_threads) / f64::from(most.max(1)),
+            })
+        };
+        ask().map_err(|error| self.failed(&format!("described the kernel {}", K::NAME), error))
     }
 
     /// Loads a kernel the first time that it is needed: the driver compiles PTX when it loads it, which takes a moment
