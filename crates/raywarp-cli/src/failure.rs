@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use raywarp::backend::DeviceError;
 use raywarp::image::ImageError;
+use raywarp::query::QueryError;
 use raywarp::render::RenderError;
 
 use crate::say;
@@ -39,7 +40,9 @@ fn is_broken_pipe(cause: &(dyn std::error::Error + 'static)) -> bool {
 }
 
 fn is_of_device(cause: &(dyn std::error::Error + 'static)) -> bool {
-    cause.is::<DeviceError>() || matches!(cause.downcast_ref(), Some(RenderError::Device(_)))
+    cause.is::<DeviceError>()
+        || matches!(cause.downcast_ref(), Some(RenderError::Device(_)))
+        || matches!(cause.downcast_ref(), Some(QueryError::Device(_)))
 }
 
 #[cfg(test)]

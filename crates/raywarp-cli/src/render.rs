@@ -34,7 +34,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let tracer = Tracer::new(&loaded.scene, options.accel, &device)?;
     refuse_dropped(options, &tracer)?;
     say_notes(options, &loaded, &device, &tracer);
-    let camera = viewpoint::adjusted(chosen.unwrap_or(tracer.default_camera()).clone(), options);
+    let camera = viewpoint::adjusted(chosen.unwrap_or(tracer.default_camera()).clone(), &options.into());
 
     let shot = Shot { options, plan: &plan, tracer: &tracer, camera: &camera };
     let taken = shot.take()?;
@@ -92,7 +92,8 @@ pub fn read(path: Option<&Path>, strict: bool) -> anyhow::Result<Loaded> {
     })
 }
 
-fn limit_threads(threads: Option<u32>) -> anyhow::Result<()> {
+/// Sets the number of threads of the CPU; none: all.
+pub fn limit_threads(threads: Option<u32>) -> anyhow::Result<()> {
     let Some(threads) = threads else { return Ok(()) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
     pool.build_global().with_context(|| format!("cannot start {threads} threads"))

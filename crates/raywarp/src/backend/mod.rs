@@ -141,4 +141,30 @@ impl Device {
             Machine::Cuda(gpu) => unsafe { gpu.launch(kernel, extent) },
         }
     }
+
+    /// Runs a kernel `warmup` times, and then `repeats` times of which each is timed: seconds on the device. What the
+    /// host does between launches of a CUDA device is no part of them.
+    ///
+    /// # Safety
+    /// As for [`launch`](Self::launch).
+    ///
+    /// # Errors
+    /// [`DeviceError`] where a launch fails.
+    pub unsafe fn time<K: Kernel>(
+        &self,
+        kernel: &K,
+        extent: [u32; 2],
+        warmup: u32,
+        repeats: u32,
+    ) -> Result<Vec<f64>, DeviceError> {
+        match &self.machine {
+            Machine::Cpu => {
+                // SAFETY: the caller's promise.
+                let seconds = (0..warmup + repeats).map(|_| unsafe { cpu::launch(kernel, extent) });
+                Ok(seconds.skip(warmup as usize).collect())
+            }
+            // SAFETY: the caller's promise.
+            Machine::Cuda(gpu) => unsafe { gpu.time(kernel, extent, warmup, repeats) },
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! Batches of rays, answered without a picture; and the batches that raywarp and its peers are measured with, see
 //! [`RaySource`].
 
+mod cost;
 mod ray_kind;
 mod timed;
 mod workload;
@@ -11,6 +12,7 @@ use crate::accel::{sift, with_structure, Accel, Build, BuildError, Resident};
 use crate::backend::{Device, DeviceError};
 use crate::{Hit, Ray, Triangle};
 
+pub use cost::Cost;
 pub use ray_kind::{RayKind, UnknownRayKind};
 pub use timed::{Answers, Batch};
 pub use workload::{opaque_triangles, RaySource, Spot, Workload};

@@ -1,10 +1,10 @@
-//! A batch that stays on the device and is launched again and again: for measuring.
+//! A batch that stays on the device and is asked again and again: for measuring.
 
-use raywarp_kernels::kernels::{Closest, Occluded};
+use raywarp_kernels::kernels::{Closest, Kernel, Occluded};
 
 use super::{QueryError, RayCaster};
 use crate::accel::{with_structure, Accel, Resident};
-use crate::backend::{Buffer, Device, KernelInfo};
+use crate::backend::{Buffer, Device, DeviceError, KernelInfo};
 use crate::{Hit, Ray};
 
 /// Rays on a device with room for their answers.
@@ -39,6 +39,12 @@ impl RayCaster {
         Ok(Self { structure: Resident::upload(device, structure)?, device: device.clone() })
     }
 
+    fn time(&self, kernel: &impl Kernel, rays: u32, [warmup, repeats]: [u32; 2]) -> Result<Vec<f64>, DeviceError> {
+        // SAFETY: the structure is borrowed and the batch holds rays and answers until this returns. The builders keep
+        // their indices in range.
+        unsafe { self.device.time(kernel, [rays, 1], warmup, repeats) }
+    }
+
     /// Copies rays to the device, to ask for the closest hit of each, or whether each hits anything.
     ///
     /// # Errors
@@ -55,18 +61,20 @@ impl RayCaster {
 }
 
 impl Batch<'_> {
-    /// Asks once and waits. Returns the seconds that it took on the device, without any copy.
+    /// Asks `warmup` times, and then `repeats` times of which each is timed. Returns the seconds on the device, without
+    /// any copy.
     ///
     /// # Errors
     /// The device fails.
-    pub fn launch(&mut self) -> Result<f64, QueryError> {
+    pub fn time(&mut self, warmup: u32, repeats: u32) -> Result<Vec<f64>, QueryError> {
         let (caster, rays) = (self.caster, self.rays.view());
         let seconds = with_structure!(&caster.structure, structure => match &mut self.room {
             Room::Closest(hits) => {
-                caster.run(&Closest { structure, rays, hits: hits.view_mut() }, rays.len())
+                caster.time(&Closest { structure, rays, hits: hits.view_mut() }, rays.len(), [warmup, repeats])
             }
             Room::Occluded(occluded) => {
-                caster.run(&Occluded { structure, rays, occluded: occluded.view_mut() }, rays.len())
+                let kernel = Occluded { structure, rays, occluded: occluded.view_mut() };
+                caster.time(&kernel, rays.len(), [warmup, repeats])
             }
         });
         Ok(seconds?)
@@ -88,7 +96,7 @@ impl Batch<'_> {
         Ok(info?)
     }
 
-    /// The answers of the last launch; before any, zeros.
+    /// The answers of the last time; before any, zeros.
     ///
     /// # Errors
     /// The device fails.
@@ -128,7 +136,8 @@ mod tests {
             let caster = RayCaster::of(&structure, &device).unwrap();
             for any_hit in [false, true] {
                 let mut batch = caster.batch(&rays, any_hit).unwrap();
-                assert!((0..3).all(|_| batch.launch().unwrap() >= 0.0));
+                let seconds = batch.time(1, 3).unwrap();
+                assert!(seconds.len() == 3 && seconds.iter().all(|&seconds| seconds >= 0.0));
                 assert_eq!(batch.kernel_info().unwrap(), None);
                 let answers = batch.answers().unwrap();
                 assert!((74..=76).contains(&answers.hits()), "{}", answers.hits());

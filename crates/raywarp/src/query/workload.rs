@@ -47,7 +47,7 @@ pub struct Workload {
 /// let caster = RayCaster::new(triangles.clone(), AccelKind::Bvh, &Device::open(DeviceChoice::Cpu)?)?;
 /// let primary = source.primary();
 /// let spots = source.spots(&primary.rays, &caster.closest(&primary.rays)?);
-/// let diffuse = source.secondary(RayKind::Diffuse, &spots, 10_000);
+/// let diffuse = source.workload(RayKind::Diffuse, &spots, 10_000);
 /// assert_eq!((primary.rays.len(), diffuse.rays.len()), (64 * 36, 10_000));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -128,10 +128,9 @@ impl<'a> RaySource<'a> {
         rays.iter().zip(hits).filter_map(spot).collect()
     }
 
-    /// Rays from where the primary ones hit: one from each spot, and then again from the first on until there are
-    /// `least`. Without a spot there are none. Primary and random rays do not start there: see
-    /// [`primary`](Self::primary) and [`random`](Self::random), whose rays these kinds are given as well.
-    pub fn secondary(&self, kind: RayKind, spots: &[Spot], least: usize) -> Workload {
+    /// The rays of a kind. Of those that start where primary ones hit, one from each spot, and then again from the first
+    /// spot on until there are `least`; without a spot there are none. `least` random rays; primary ones as they are.
+    pub fn workload(&self, kind: RayKind, spots: &[Spot], least: usize) -> Workload {
         let keyed = |make: &dyn Fn(&Spot, u32) -> Ray| -> Vec<Ray> {
             let count = if spots.is_empty() { 0 } else { spots.len().max(least) };
             let key = |index: usize| combine((index % spots.len()) as u32, (index / spots.len()) as u32);

@@ -117,23 +117,47 @@ impl Cuda {
     /// # Safety
     /// As for [`Device::launch`](super::Device::launch).
     pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<f64, DeviceError> {
+        // SAFETY: the caller's promise.
+        let seconds = unsafe { self.time(kernel, extent, 0, 1) }?;
+        Ok(seconds.first().copied().unwrap_or(0.0))
+    }
+
+    /// Queues all launches at once, with an event after each that is timed: what the host does between them is then no
+    /// part of the time.
+    ///
+    /// # Safety
+    /// As for [`Device::launch`](super::Device::launch).
+    pub unsafe fn time<K: Kernel>(
+        &self,
+        kernel: &K,
+        extent: [u32; 2],
+        warmup: u32,
+        repeats: u32,
+    ) -> Result<Vec<f64>, DeviceError> {
         if extent.contains(&0) {
-            return Ok(0.0);
+            return Ok(vec![0.0; repeats as usize]);
         }
         let function = self.function(K::NAME)?;
         let parameters = Parameters(*kernel);
-        let run = || -> Result<f64, DriverError> {
-            let timing = Some(sys::CUevent_flags::CU_EVENT_DEFAULT);
-            let start = self.context().new_event(timing)?;
-            let end = self.context().new_event(timing)?;
-            start.record(self.stream())?;
+        let launch = || -> Result<(), DriverError> {
             let mut launch = self.stream().launch_builder(&function);
             launch.arg(&parameters);
             // SAFETY: the entry point takes exactly this parameter block; its views are the caller's promise.
-            unsafe { launch.launch(configuration(extent)) }?;
-            end.record(self.stream())?;
-            end.synchronize()?;
-            Ok(start.elapsed_ms(&end)? as f64 * 1e-3)
+            unsafe { launch.launch(configuration(extent)) }.map(drop)
+        };
+        let run = || -> Result<Vec<f64>, DriverError> {
+            let timing = Some(sys::CUevent_flags::CU_EVENT_DEFAULT);
+            let new_event = |_| self.context().new_event(timing);
+            let events = (0..=repeats).map(new_event).collect::<Result<Vec<_>, _>>()?;
+            (0..warmup).try_for_each(|_| launch())?;
+            for (index, event) in events.iter().enumerate() {
+                if index > 0 {
+                    launch()?;
+                }
+                event.record(self.stream())?;
+            }
+            self.stream().synchronize()?;
+            events.windows(2).map(|pair| Ok(f64::from(pair[0].elapsed_ms(&pair[1])?) * 1e-3)).collect()
         };
         run().map_err(|error| self.failed(&format!("ran the kernel {}", K::NAME), error))
     }

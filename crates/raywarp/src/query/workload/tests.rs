@@ -93,7 +93,7 @@ fn shadow_rays_end_at_the_light() {
     assert!((light.x - 0.5).abs() < 1e-6 && light.y > 3.0 && light.z < 0.5);
     let from_eye = (light - above().eye.into()).length();
     assert!((from_eye - (0.5f32 * 0.5 + 0.4 * 0.4).sqrt()).abs() < 1e-5);
-    for ray in source.secondary(RayKind::Shadow, &spots(&source), 0).rays {
+    for ray in source.workload(RayKind::Shadow, &spots(&source), 0).rays {
         assert!((ray.at(ray.t_max) - light).length() < 1e-5 && (ray.direction.length() - 1.0).abs() < 1e-6);
     }
 }
@@ -104,14 +104,14 @@ fn there_are_as_many_rays_as_asked_for_and_one_a_spot_at_least() {
     let source = RaySource::new(&triangles, &above(), [16, 9]).unwrap();
     let spots = spots(&source);
     for kind in [RayKind::Shadow, RayKind::Ao, RayKind::Diffuse] {
-        assert_eq!(source.secondary(kind, &spots, 7).rays.len(), spots.len());
-        let many = source.secondary(kind, &spots, 1000);
+        assert_eq!(source.workload(kind, &spots, 7).rays.len(), spots.len());
+        let many = source.workload(kind, &spots, 1000);
         assert_eq!((many.kind, many.rays.len()), (kind, 1000));
         assert_eq!(many.rays[spots.len()].origin, spots[0].origin);
-        assert_eq!(many, source.secondary(kind, &spots, 1000), "the same each time");
-        assert!(source.secondary(kind, &[], 1000).rays.is_empty());
+        assert_eq!(many, source.workload(kind, &spots, 1000), "the same each time");
+        assert!(source.workload(kind, &[], 1000).rays.is_empty());
     }
-    let [ao, diffuse] = [RayKind::Ao, RayKind::Diffuse].map(|kind| source.secondary(kind, &spots, 1000).rays);
+    let [ao, diffuse] = [RayKind::Ao, RayKind::Diffuse].map(|kind| source.workload(kind, &spots, 1000).rays);
     for (ao, diffuse) in ao.iter().zip(&diffuse) {
         assert_eq!((ao.origin, ao.direction), (diffuse.origin, diffuse.direction));
         assert_eq!((ao.t_max, diffuse.t_max), (0.1 * source.diagonal(), f32::INFINITY));
