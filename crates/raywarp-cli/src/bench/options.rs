@@ -16,7 +16,7 @@ Examples:
   raywarp bench model.obj --rays primary,diffuse --layout kd,bvh --tree fast,high
   raywarp bench model.ply --device cpu --peers            beside Embree and Warp, one thread each
   raywarp bench --suite docs/bench/suite.toml --models DIR --json
-  raywarp bench --frames                                  whole pictures by every structure, as in the paper
+  raywarp bench --frames                                  whole pictures, by every structure
 
 docs/bench/README.md says what the rays and the columns are.";
 
@@ -47,9 +47,12 @@ pub struct BenchOptions {
     /// Count nodes and triangles a ray as well, on the CPU
     #[arg(long, help_heading = "What to measure")]
     pub counts: bool,
-    /// Give the same rays to Embree (Python package embreex) and Warp (warp-lang), and compare times and hits
-    #[arg(long, help_heading = "What to measure")]
-    pub peers: bool,
+    /// Give the same rays to other ray tracers, and compare times and hits: embree (Python package embreex), warp
+    /// (warp-lang); without a list both
+    #[arg(long, value_name = "LIST", value_delimiter = ',', num_args = 0.., require_equals = true)]
+    #[arg(default_missing_values = ["embree", "warp"], value_parser = ["embree", "warp"], hide_possible_values = true)]
+    #[arg(help_heading = "What to measure")]
+    pub peers: Vec<String>,
     /// The Python that has the packages
     #[arg(long, value_name = "PATH", default_value = "python3", requires = "peers", help_heading = "What to measure")]
     pub python: PathBuf,

@@ -16,9 +16,6 @@ use super::spread::Spread;
 /// What the Python runs.
 const SCRIPT: &str = include_str!("peers.py");
 
-/// Names that the script knows, and their names for people.
-pub const KNOWN: [(&str, &str); 2] = [("embree", "Embree"), ("warp", "Warp")];
-
 /// A ray tracer that runs, until this is dropped.
 pub struct Peer {
     /// What it is.

@@ -8,7 +8,7 @@ use raywarp::query::RayKind;
 use super::contest::Contest;
 use super::machine::Machine;
 use super::options::BenchOptions;
-use super::peers::{Peer, KNOWN};
+use super::peers::Peer;
 use super::results::Results;
 use super::suite::subjects;
 use crate::render::{limit_threads, read};
@@ -22,7 +22,7 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
     let subjects = subjects(options)?;
     let device = Device::open(options.device)?;
     // Peers use one thread of the CPU.
-    let alone = options.peers && !device.is_cuda();
+    let alone = !options.peers.is_empty() && !device.is_cuda();
     limit_threads(options.threads.or(alone.then_some(1)))?;
     let mut results = Results {
         machine: Machine::of(&device),
@@ -42,9 +42,7 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
         peers: Vec::new(),
         folder: folder.path(),
     };
-    if options.peers {
-        contest.peers = peers(options, &contest, &mut results);
-    }
+    contest.peers = peers(options, &contest, &mut results);
 
     for subject in subjects {
         if let Some(file) = subject.file.as_deref().filter(|file| subject.optional && !file.exists()) {
@@ -70,11 +68,11 @@ fn builds(options: &BenchOptions) -> Vec<Build> {
 
 /// The peers that run on the device's machine; a note for each that does not.
 fn peers(options: &BenchOptions, contest: &Contest, results: &mut Results) -> Vec<Peer> {
-    let start = |&(key, name): &(&str, &str)| {
-        let started = Peer::start(&options.python, contest.folder, key, contest.device);
+    let start = |name: &String| {
+        let started = Peer::start(&options.python, contest.folder, name, contest.device);
         started.map_err(|error| results.note(name, format!("left out: {error:#}"))).ok()
     };
-    KNOWN.iter().filter_map(start).collect()
+    options.peers.iter().filter_map(start).collect()
 }
 
 /// Prints the results, and says what is wrong with them.

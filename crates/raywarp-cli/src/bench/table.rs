@@ -68,8 +68,8 @@ impl Results {
             right("Mrays/s", |row: &PeerRow| spread(&row.speed)),
             right("raywarp's best over it", |row: &PeerRow| format!("{:.2}", self.best(row) / row.speed.mrays_per_s)),
             right("hit or miss differs", |row: &PeerRow| row.agreement.hit_or_miss.to_string()),
-            right("t differs by over 0.1 %", |row: &PeerRow| row.agreement.distance.to_string()),
-            right("by at most", |row: &PeerRow| format!("{:.1e}", row.agreement.largest)),
+            right("t differs by over 0.1 %", |row: &PeerRow| closest(row, row.agreement.distance.to_string())),
+            right("by at most", |row: &PeerRow| closest(row, format!("{:.1e}", row.agreement.largest))),
         ]
     }
 
@@ -101,6 +101,15 @@ fn table<R>(columns: &[Column<R>], rows: &[R]) -> String {
     let rule = line(columns.iter().map(|column| column.rule.to_owned()).collect());
     let body = rows.iter().map(|row| line(columns.iter().map(|column| (column.cell)(row)).collect()));
     format!("\n{head}{rule}{}", body.collect::<String>())
+}
+
+/// Where any hit will do, nobody has a distance.
+fn closest(row: &PeerRow, text: String) -> String {
+    if row.task.any_hit {
+        "-".to_owned()
+    } else {
+        text
+    }
 }
 
 fn spread(speed: &Speed) -> String {
