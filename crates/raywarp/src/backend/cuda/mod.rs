@@ -169,11 +169,12 @@ impl Cuda {
         let (columns, rows, _) = configuration(extent).block_dim;
         let block_threads = columns * rows;
         let ask = || -> Result<KernelInfo, DriverError> {
+            let registers = function.num_regs()? as u32;
             let most = self.context().attribute(CU_DEVICE_ATTRIBUTE_MAX_THREADS_PER_MULTIPROCESSOR)?;
             let blocks = function.occupancy_max_active_blocks_per_multiprocessor(block_threads, 0, None)?;
             Ok(KernelInfo {
                 name: K::NAME,
-                registers: function.num_regs()? as u32,
+                registers,
                 local_bytes: function.local_size_bytes()? as u32,
                 shared_bytes: function.shared_size_bytes()? as u32,
                 block_threads,
