@@ -9,6 +9,7 @@ use raywarp::image::{Layer, ToneMap};
 use raywarp::query::files::{Format, Mode};
 use raywarp::render::{MAX_DEPTH, MAX_SPP};
 
+pub use crate::bench::BenchOptions;
 use crate::values;
 
 /// Ray tracing on any CUDA GPU with nothing but its driver, or on the CPU
@@ -74,8 +75,8 @@ pub enum Command {
     Query(QueryOptions),
     /// Show what is in a scene: counts, bounds, materials, memory, quality of the trees
     Info(InfoOptions),
-    /// Time every structure on a scene, without and with secondary rays, as a table
-    Bench(BenchOptions),
+    /// Measure rays a second: primary, shadow, ambient occlusion, diffuse and random, beside other ray tracers
+    Bench(Box<BenchOptions>),
     /// Check the CUDA driver and the devices, and say what to do about problems
     Doctor,
     /// Print the completions for a shell
@@ -245,28 +246,6 @@ pub struct InfoOptions {
     /// Take the scene's warnings as errors
     #[arg(long)]
     pub strict: bool,
-}
-
-/// Options of `bench`.
-#[derive(Debug, Args)]
-pub struct BenchOptions {
-    /// Scene file; none: the built-in scene, which is the paper's
-    pub scene: Option<PathBuf>,
-    /// Size of the picture in pixels
-    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = values::size)]
-    pub size: [u32; 2],
-    /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
-    #[arg(long, value_name = "DEVICE", default_value_t)]
-    pub device: DeviceChoice,
-    /// Structures, with commas: brute takes hours on a CPU at full size
-    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "brute,kd,bvh")]
-    pub accel: Vec<AccelKind>,
-    /// Timed repeats
-    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub repeats: u32,
-    /// Print one JSON object
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// Options of `completions`.

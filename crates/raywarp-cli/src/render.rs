@@ -35,7 +35,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let tracer = Tracer::new(&loaded.scene, options.accel, &device)?;
     refuse_dropped(options.strict, &tracer.report().dropped)?;
     say_notes(options, &loaded, &device, &tracer);
-    let camera = viewpoint::adjusted(chosen.unwrap_or(tracer.default_camera()).clone(), options);
+    let camera = viewpoint::adjusted(chosen.unwrap_or(tracer.default_camera()).clone(), &options.into());
 
     let shot = Shot { options, plan: &plan, tracer: &tracer, camera: &camera };
     let taken = shot.take()?;

@@ -4,6 +4,25 @@ use raywarp::scene::{Camera, Projection};
 
 use crate::options::RenderOptions;
 
+/// What is to be different about a camera.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct View {
+    /// Where it is.
+    pub eye: Option<[f32; 3]>,
+    /// What it looks at.
+    pub target: Option<[f32; 3]>,
+    /// What is up in the picture.
+    pub up: Option<[f32; 3]>,
+    /// Vertical field of view, in degrees.
+    pub fov: Option<f32>,
+}
+
+impl From<&RenderOptions> for View {
+    fn from(options: &RenderOptions) -> Self {
+        Self { eye: options.eye, target: options.target, up: options.up, fov: options.fov }
+    }
+}
+
 /// A camera by its name, else by its number.
 ///
 /// # Errors
@@ -22,12 +41,12 @@ fn list(cameras: &[Camera]) -> String {
     cameras.iter().enumerate().map(name).collect::<Vec<_>>().join(", ")
 }
 
-/// The camera with what options change about it.
-pub fn adjusted(mut camera: Camera, options: &RenderOptions) -> Camera {
-    camera.eye = options.eye.unwrap_or(camera.eye);
-    camera.target = options.target.unwrap_or(camera.target);
-    camera.up = options.up.unwrap_or(camera.up);
-    if let Some(degrees) = options.fov {
+/// The camera with what is to be different about it.
+pub fn adjusted(mut camera: Camera, view: &View) -> Camera {
+    camera.eye = view.eye.unwrap_or(camera.eye);
+    camera.target = view.target.unwrap_or(camera.target);
+    camera.up = view.up.unwrap_or(camera.up);
+    if let Some(degrees) = view.fov {
         camera.projection = Projection::Perspective { fov_y: degrees.to_radians() };
     }
     camera

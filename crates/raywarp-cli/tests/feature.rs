@@ -205,9 +205,9 @@ fn quiet_says_nothing() {
 }
 
 #[test]
-fn bench_times_every_structure_and_counts_its_rays() {
+fn bench_of_frames_times_every_structure_and_counts_its_rays() {
     let place = place();
-    let options = ["bench", "scene.toml", "--device", "cpu", "--size", "16x12", "--repeats", "1", "--json"];
+    let options = ["bench", "--frames", "scene.toml", "--device", "cpu", "--size", "16x12", "--repeats", "1", "--json"];
     let run = place.run(&options).succeeds();
     let bench: serde_json::Value = serde_json::from_str(&run.out()).unwrap();
     assert_eq!(bench["size"], serde_json::json!([16, 12]));
@@ -218,7 +218,8 @@ fn bench_times_every_structure_and_counts_its_rays() {
     // Camera rays alone: one a pixel, for every structure.
     assert!(rows.iter().filter(|row| row["rays"] == "primary").all(|row| row["tests"]["rays"] == 16 * 12));
     assert!(rows.iter().all(|row| row["kernel_ms"]["median"].as_f64().unwrap() > 0.0));
-    let table = place.run(&["bench", "scene.toml", "--device=cpu", "--size=8x8", "--repeats=1", "--accel=bvh"]);
+    let table =
+        place.run(&["bench", "scene.toml", "--frames", "--device=cpu", "--size=8x8", "--repeats=1", "--accel=bvh"]);
     let table = table.out();
     assert_eq!(table.lines().filter(|line| line.starts_with("| bvh |")).count(), 2, "{table}");
 }

@@ -8,6 +8,7 @@ use common::{ray, scene, Numbers, AIMS, FAMILIES};
 use proptest::prelude::*;
 use raywarp::accel::AccelKind;
 use raywarp::backend::{Device, DeviceChoice};
+use raywarp_kernels::triangle::Across;
 use raywarp::query::{device, QueryError, RayCaster};
 use raywarp::scene::{Instance, Mesh, Scene, Transform};
 use raywarp::{Hit, Ray, Triangle, Vec3, MISS};
@@ -27,7 +28,8 @@ fn oracle(triangles: &[Triangle], ray: &Ray) -> Vec<[u32; 4]> {
         return Vec::new();
     }
     let within = |hit: &Hit| hit.t >= ray.t_min && hit.t <= ray.t_max && hit.t.is_finite();
-    let mut hits: Vec<_> = triangles.iter().filter_map(|triangle| triangle.intersect(ray)).filter(within).collect();
+    let across = Across::new(ray);
+    let mut hits: Vec<_> = triangles.iter().filter_map(|triangle| triangle.intersect(&across)).filter(within).collect();
     hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
     hits.dedup_by(|a, b| a.t == b.t && a.primitive == b.primitive);
     // Where -0 and 0 meet, the primitive decides.

@@ -9,7 +9,10 @@ use raywarp_kernels::kernels::{Kernel, Thread};
 const TILE: [u32; 2] = [16, 8];
 
 pub(super) fn description() -> String {
-    format!("CPU, {} threads", rayon::current_num_threads())
+    match rayon::current_num_threads() {
+        1 => "CPU, 1 thread".to_owned(),
+        threads => format!("CPU, {threads} threads"),
+    }
 }
 
 /// Memory that can be had without swapping, where the system tells.

@@ -8,6 +8,7 @@ mod choice;
 mod cpu;
 mod cuda;
 mod error;
+mod kernel_info;
 mod pace;
 mod stream;
 mod survey;
@@ -18,6 +19,7 @@ use raywarp_kernels::view::Plain;
 pub use buffer::Buffer;
 pub use choice::{DeviceChoice, ParseDeviceError};
 pub use error::DeviceError;
+pub use kernel_info::KernelInfo;
 pub(crate) use pace::Pace;
 pub(crate) use stream::Launch;
 pub use stream::Stream;
@@ -148,6 +150,17 @@ impl Device {
         Buffer::zeroed(&self.machine, len)
     }
 
+    /// What a kernel takes of a CUDA device when it is launched over `extent`; nothing on the CPU.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the driver cannot load the kernel or does not answer.
+    pub fn kernel_info<K: Kernel>(&self, _kernel: &K, extent: [u32; 2]) -> Result<Option<KernelInfo>, DeviceError> {
+        match &self.machine {
+            Machine::Cpu => Ok(None),
+            Machine::Cuda(gpu) => gpu.kernel_info::<K>(extent).map(Some),
+        }
+    }
+
     /// Runs a kernel, one thread for each column and row of `extent`, and waits for it. Returns the seconds it took on
     /// the device.
     ///
@@ -163,6 +176,32 @@ impl Device {
             Machine::Cpu => Ok(unsafe { cpu::launch(kernel, extent) }),
             // SAFETY: the caller's promise.
             Machine::Cuda(gpu) => unsafe { gpu.launch(kernel, extent) },
+        }
+    }
+
+    /// Runs a kernel `warmup` times, and then `repeats` times of which each is timed: seconds on the device. What the
+    /// host does between launches of a CUDA device is no part of them.
+    ///
+    /// # Safety
+    /// As for [`launch`](Self::launch).
+    ///
+    /// # Errors
+    /// [`DeviceError`] where a launch fails.
+    pub unsafe fn time<K: Kernel>(
+        &self,
+        kernel: &K,
+        extent: [u32; 2],
+        warmup: u32,
+        repeats: u32,
+    ) -> Result<Vec<f64>, DeviceError> {
+        match &self.machine {
+            Machine::Cpu => {
+                // SAFETY: the caller's promise.
+                let seconds = (0..warmup + repeats).map(|_| unsafe { cpu::launch(kernel, extent) });
+                Ok(seconds.skip(warmup as usize).collect())
+            }
+            // SAFETY: the caller's promise.
+            Machine::Cuda(gpu) => unsafe { gpu.time(kernel, extent, warmup, repeats) },
         }
     }
 }

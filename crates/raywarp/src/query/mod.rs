@@ -4,15 +4,21 @@
 //! ([`batch`](RayCaster::batch) reports on them and can be ended), and buffers of the device ([`device`]), on a stream if
 //! need be. [`files`] reads rays and writes answers as NumPy and CSV files. All four questions are asked of one traversal
 //! and agree: a ray's count is the number of all its hits, the first of which is the closest, and there is any hit where
-//! there is one. What a hit is, and which rays have none, is said at [`Ray`].
+//! there is one. What a hit is, and which rays have none, is said at [`Ray`]. [`RaySource`] makes the rays that raywarp
+//! and its peers are measured with.
+
 
 mod batch;
+mod cost;
 pub mod device;
 mod error;
 pub mod files;
 mod geometry;
 mod hits;
 mod question;
+mod ray_kind;
+mod timed;
+mod workload;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -24,9 +30,13 @@ use crate::scene::Scene;
 use crate::{Hit, Ray, Triangle};
 
 pub use batch::{Batch, Progress};
+pub use cost::Cost;
 pub use error::QueryError;
 pub use geometry::Geometries;
 pub use hits::{AllHits, Hits};
+pub use ray_kind::{RayKind, UnknownRayKind};
+pub use timed::{Answers, Timed};
+pub use workload::{opaque_triangles, RaySource, Spot, Workload};
 
 /// Triangles on a device, ready to be asked. Cloning gives another handle to the same.
 ///
@@ -108,6 +118,18 @@ impl RayCaster {
         let report = Report { triangles: count, dropped, tree: accel.stats(), build_seconds };
         device.reserve(report.tree.bytes as u64, "the scene")?;
         let structure = Resident::upload(device, &accel)?;
+        Ok(Self { shared: Arc::new(Shared { device: device.clone(), structure, geometries, report }) })
+    }
+
+    /// Copies a structure that was built elsewhere to a device.
+    ///
+    /// # Errors
+    /// The device has no room for it.
+    pub fn of(accel: &Accel, device: &Device) -> Result<Self, QueryError> {
+        let report = Report { triangles: accel.triangles().len(), tree: accel.stats(), ..Report::default() };
+        device.reserve(report.tree.bytes as u64, "the structure")?;
+        let structure = Resident::upload(device, accel)?;
+        let geometries = Geometries::default();
         Ok(Self { shared: Arc::new(Shared { device: device.clone(), structure, geometries, report }) })
     }
 

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use raywarp_kernels::camera as kernel;
+use raywarp_kernels::math;
 
 use super::RenderError;
 use crate::scene::{Camera, Projection, Scene};
@@ -10,7 +11,7 @@ use crate::scene::{Camera, Projection, Scene};
 const FOV: f32 = 0.7;
 
 /// The scene's first camera, or one that sees all of it from the front, right and above; then with a note.
-pub(super) fn default_camera(scene: &Scene, bounds: [[f32; 3]; 2]) -> (Camera, Option<String>) {
+pub(crate) fn default_camera(scene: &Scene, bounds: [[f32; 3]; 2]) -> (Camera, Option<String>) {
     match scene.cameras.first() {
         Some(camera) => (camera.clone(), None),
         None => (framing(bounds), Some("no camera in the scene: it is framed from its bounds".to_owned())),
@@ -34,7 +35,23 @@ fn framing([low, high]: [[f32; 3]; 2]) -> Camera {
 }
 
 /// The camera for pictures of a size.
-pub(super) fn kernel_camera(camera: &Camera, [width, height]: [u32; 2]) -> Result<kernel::Camera, RenderError> {
+pub(crate) fn kernel_camera(camera: &Camera, [width, height]: [u32; 2]) -> Result<kernel::Camera, RenderError> {
+    let refuse = |problem| Err(RenderError::Camera { name: camera.name.clone(), problem });
+    let (eye, axes) = (camera.eye.into(), axes(camera)?);
+    match camera.projection {
+        Projection::Perspective { fov_y } if fov_y > 0.0 && fov_y < std::f32::consts::PI => {
+            Ok(kernel::Camera::pinhole(eye, axes, (0.5 * fov_y).tan(), width, height))
+        }
+        Projection::Orthographic { height: extent } if extent > 0.0 && extent.is_finite() => {
+            Ok(kernel::Camera::orthographic(eye, axes, extent, width, height))
+        }
+        Projection::Perspective { .. } => refuse("has a field of view that is not between 0 and 180 degrees"),
+        Projection::Orthographic { .. } => refuse("has no height"),
+    }
+}
+
+/// Right, up and forward of a camera, orthonormal.
+pub(crate) fn axes(camera: &Camera) -> Result<[math::Vec3; 3], RenderError> {
     let refuse = |problem| Err(RenderError::Camera { name: camera.name.clone(), problem });
     let eye = Vec3::from(camera.eye);
     let view = Vec3::from(camera.target) - eye;
@@ -47,18 +64,7 @@ pub(super) fn kernel_camera(camera: &Camera, [width, height]: [u32; 2]) -> Resul
         unit_above(forward.cross(up), 1e-4)
     });
     let Some(right) = right else { return refuse("has no upward direction") };
-    let up = right.cross(forward);
-    let axes = [right, up, forward].map(|axis| axis.to_array().into());
-    match camera.projection {
-        Projection::Perspective { fov_y } if fov_y > 0.0 && fov_y < std::f32::consts::PI => {
-            Ok(kernel::Camera::pinhole(eye.to_array().into(), axes, (0.5 * fov_y).tan(), width, height))
-        }
-        Projection::Orthographic { height: extent } if extent > 0.0 && extent.is_finite() => {
-            Ok(kernel::Camera::orthographic(eye.to_array().into(), axes, extent, width, height))
-        }
-        Projection::Perspective { .. } => refuse("has a field of view that is not between 0 and 180 degrees"),
-        Projection::Orthographic { .. } => refuse("has no height"),
-    }
+    Ok([right, right.cross(forward), forward].map(|axis| axis.to_array().into()))
 }
 
 /// The unit vector, however short or long; none for zero.

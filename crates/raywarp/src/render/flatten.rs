@@ -130,7 +130,7 @@ fn check<'a>(scene: &'a Scene, instance: &Instance) -> Result<&'a Mesh, RenderEr
 }
 
 /// Low and high corner of all triangles; both zero where there are none.
-pub(super) fn bounds(triangles: &[Triangle]) -> [[f32; 3]; 2] {
+pub(crate) fn bounds(triangles: &[Triangle]) -> [[f32; 3]; 2] {
     let corners = triangles.iter().flat_map(|t| [t.v0, t.v1, t.v2]);
     corners
         .fold(None, |bounds, v| match bounds {

@@ -1,9 +1,9 @@
 //! From a scene to a picture: flatten it, build the tree, put both on a device, trace.
 
 mod bands;
-mod camera;
+pub(crate) mod camera;
 mod error;
-mod flatten;
+pub(crate) mod flatten;
 mod lighting;
 mod materials;
 mod options;
@@ -22,6 +22,7 @@ use crate::accel::{sift, Accel, Build, Dropped, Resident, TreeStats};
 use crate::backend::{Buffer, Device};
 use crate::image::Picture;
 use crate::scene::{Camera, Scene};
+use crate::Triangle;
 use bands::Bands;
 pub(crate) use flatten::Flat;
 use lighting::Lighting;
@@ -39,6 +40,11 @@ pub struct Tracer {
     lighting: Lighting,
     camera: Camera,
     report: Report,
+}
+
+/// The scene's first camera, or one that sees all of these triangles of it from the front, right and above.
+pub fn default_camera(scene: &Scene, triangles: &[Triangle]) -> Camera {
+    camera::default_camera(scene, flatten::bounds(triangles)).0
 }
 
 /// What became of the scene on its way to the device.

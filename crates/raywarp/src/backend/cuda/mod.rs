@@ -12,7 +12,7 @@ use cudarc::driver::{sys, CudaContext, CudaFunction, CudaStream, DriverError};
 use cudarc::nvrtc::Ptx;
 use raywarp_kernels::kernels::Kernel;
 
-use super::{DeviceError, DeviceInfo};
+use super::{DeviceError, DeviceInfo, KernelInfo};
 pub(super) use buffer::CudaBuffer;
 pub(super) use ptx::info as ptx_info;
 pub(super) use stream::{CudaLaunch, Stream};
@@ -112,6 +112,43 @@ impl Cuda {
     pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<f64, DeviceError> {
         // SAFETY: the caller's promise, as the launch is waited for.
         unsafe { stream::launch(self, self.stream(), kernel, extent) }?.wait()
+    }
+
+    /// See [`stream::time`].
+    ///
+    /// # Safety
+    /// As for [`Device::launch`](super::Device::launch).
+    pub unsafe fn time<K: Kernel>(
+        &self,
+        kernel: &K,
+        extent: [u32; 2],
+        warmup: u32,
+        repeats: u32,
+    ) -> Result<Vec<f64>, DeviceError> {
+        // SAFETY: the caller's promise.
+        unsafe { stream::time(self, kernel, extent, warmup, repeats) }
+    }
+
+    /// What a kernel takes when it is launched over `extent`.
+    pub fn kernel_info<K: Kernel>(&self, extent: [u32; 2]) -> Result<KernelInfo, DeviceError> {
+        use sys::CUdevice_attribute::CU_DEVICE_ATTRIBUTE_MAX_THREADS_PER_MULTIPROCESSOR;
+        let function = self.function(K::NAME)?;
+        let (columns, rows, _) = stream::configuration(extent).block_dim;
+        let block_threads = columns * rows;
+        let ask = || -> Result<KernelInfo, DriverError> {
+            let registers = function.num_regs()? as u32;
+            let most = self.context().attribute(CU_DEVICE_ATTRIBUTE_MAX_THREADS_PER_MULTIPROCESSOR)?;
+            let blocks = function.occupancy_max_active_blocks_per_multiprocessor(block_threads, 0, None)?;
+            Ok(KernelInfo {
+                name: K::NAME,
+                registers,
+                local_bytes: function.local_size_bytes()? as u32,
+                shared_bytes: function.shared_size_bytes()? as u32,
+                block_threads,
+                occupancy: f64::from(blocks * block_threads) / f64::from(most.max(1)),
+            })
+        };
+        ask().map_err(|error| self.failed(&format!("described the kernel {}", K::NAME), error))
     }
 
     /// Loads a kernel the first time that it is needed: the driver compiles PTX when it loads it, which takes a moment

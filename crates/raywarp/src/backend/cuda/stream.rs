@@ -80,7 +80,47 @@ pub(super) unsafe fn launch<K: Kernel>(
     Ok(started)
 }
 
-fn configuration(extent: [u32; 2]) -> LaunchConfig {
+/// Queues all launches at once, with an event after each that is timed: what the host does between them is then no part
+/// of the time. Returns the seconds of each of the `repeats`.
+///
+/// # Safety
+/// As for [`Device::launch`](crate::backend::Device::launch).
+pub(super) unsafe fn time<K: Kernel>(
+    gpu: &Cuda,
+    kernel: &K,
+    extent: [u32; 2],
+    warmup: u32,
+    repeats: u32,
+) -> Result<Vec<f64>, DeviceError> {
+    if extent.contains(&0) {
+        return Ok(vec![0.0; repeats as usize]);
+    }
+    let function = gpu.function(K::NAME)?;
+    let parameters = Parameters(*kernel);
+    let launch = || -> Result<(), DriverError> {
+        let mut launch = gpu.stream().launch_builder(&function);
+        launch.arg(&parameters);
+        // SAFETY: the entry point takes exactly this parameter block; its views are the caller's promise.
+        unsafe { launch.launch(configuration(extent)) }.map(drop)
+    };
+    let run = || -> Result<Vec<f64>, DriverError> {
+        let timing = Some(sys::CUevent_flags::CU_EVENT_DEFAULT);
+        let new_event = |_| gpu.context().new_event(timing);
+        let events = (0..=repeats).map(new_event).collect::<Result<Vec<_>, _>>()?;
+        (0..warmup).try_for_each(|_| launch())?;
+        for (index, event) in events.iter().enumerate() {
+            if index > 0 {
+                launch()?;
+            }
+            event.record(gpu.stream())?;
+        }
+        gpu.stream().synchronize()?;
+        events.windows(2).map(|pair| Ok(f64::from(pair[0].elapsed_ms(&pair[1])?) * 1e-3)).collect()
+    };
+    run().map_err(|error| gpu.failed(&format!("ran the kernel {}", K::NAME), error))
+}
+
+pub(super) fn configuration(extent: [u32; 2]) -> LaunchConfig {
     let block = if extent[1] == 1 { BLOCK_ROW } else { BLOCK };
     LaunchConfig {
         grid_dim: (extent[0].div_ceil(block[0]), extent[1].div_ceil(block[1]), 1),

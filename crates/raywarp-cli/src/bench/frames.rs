@@ -1,37 +1,40 @@
-//! `raywarp bench`: the paper's comparison of structures, on the device at hand.
+//! `raywarp bench --frames`: the paper's comparison of structures, on the device at hand.
+
+use std::path::PathBuf;
 
 use anyhow::Context;
 use raywarp::accel::AccelKind;
-use raywarp::backend::{survey, Device};
+use raywarp::backend::Device;
 use raywarp::render::{RenderOptions, Rendering, Tracer};
 use raywarp::scene::Scene;
 use serde::Serialize;
 
-use crate::options::BenchOptions;
-use crate::render::read;
+use super::machine::Machine;
+use super::options::BenchOptions;
+use super::spread::Spread;
+use super::suite::BUILT_IN;
+use crate::render::{limit_threads, read};
 use crate::report::TestCounts;
 use crate::say;
 
 /// Seconds that the paper gives for its figure of 17,000 triangles at 1920x1080, on a GPU that it does not name.
 const PAPER_SECONDS: f64 = 165.0;
 
-/// Name of the scene without a file.
-const BUILT_IN: &str = "built-in";
+/// Repeats, if the options do not say.
+const REPEATS: u32 = 9;
+
+/// Structures, if the options do not say.
+const STRUCTURES: [AccelKind; 3] = [AccelKind::Brute, AccelKind::Kd, AccelKind::Bvh];
 
 /// A whole run.
 #[derive(Debug, Serialize)]
 struct Bench {
-    device: String,
-    /// CUDA version of the driver and highest clock of the device; null on the CPU.
-    cuda: Option<(u32, u32)>,
-    clock_mhz: Option<u32>,
-    version: &'static str,
-    /// Of the sources that the program was built from, where the build said.
-    commit: Option<&'static str>,
+    #[serde(flatten)]
+    machine: Machine,
     scene: String,
     triangles: usize,
     size: [u32; 2],
-    repeats: usize,
+    repeats: u32,
     rows: Vec<Row>,
 }
 
@@ -45,20 +48,14 @@ struct Row {
     tests: Option<TestCounts>,
 }
 
-/// Over the repeats.
-#[derive(Clone, Copy, Debug, Serialize)]
-struct Spread {
-    median: f64,
-    least: f64,
-    most: f64,
-}
-
 /// Times every structure on a scene.
 pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
-    let loaded = read(options.scene.as_deref(), false)?;
+    anyhow::ensure!(options.scenes.len() < 2, "--frames takes one scene, and there are {}", options.scenes.len());
+    limit_threads(options.threads)?;
+    let loaded = read(options.scenes.first().map(PathBuf::as_path), false)?;
     let device = Device::open(options.device)?;
     let mut bench = Bench::new(options, &device);
-    for &accel in &options.accel {
+    for &accel in if options.layout.is_empty() { &STRUCTURES } else { &options.layout[..] } {
         bench.measure(&loaded.scene, accel, &device, options)?;
     }
     let text = if options.json { serde_json::to_string_pretty(&bench)? + "\n" } else { bench.table() };
@@ -67,19 +64,13 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
 
 impl Bench {
     fn new(options: &BenchOptions, device: &Device) -> Self {
-        let survey = survey();
-        let gpu = survey.devices.iter().find(|gpu| Some(gpu.index) == device.cuda_index());
-        let scene = options.scene.as_ref().map_or(BUILT_IN.into(), |path| path.display().to_string());
+        let scene = options.scenes.first().map_or(BUILT_IN.into(), |path| path.display().to_string());
         Self {
-            device: device.description(),
-            cuda: gpu.and_then(|_| survey.driver.as_ref().ok().map(|driver| driver.version)),
-            clock_mhz: gpu.map(|gpu| gpu.clock_mhz),
-            version: env!("CARGO_PKG_VERSION"),
-            commit: option_env!("RAYWARP_COMMIT"),
+            machine: Machine::of(device),
             scene,
             triangles: 0,
             size: options.size,
-            repeats: options.repeats as usize,
+            repeats: options.repeats.unwrap_or(REPEATS),
             rows: Vec::new(),
         }
     }
@@ -104,7 +95,7 @@ impl Bench {
             let counted = render(max_depth, shadows, true)?;
             render(max_depth, shadows, false)?;
             let times: anyhow::Result<Vec<f64>> =
-                (0..options.repeats).map(|_| Ok(render(max_depth, shadows, false)?.kernel_seconds)).collect();
+                (0..self.repeats).map(|_| Ok(render(max_depth, shadows, false)?.kernel_seconds * 1e3)).collect();
             let kernel_ms = Spread::of(times?);
             let tests = TestCounts::new(&counted, kernel_ms.median * 1e-3);
             self.rows.push(Row { accel: accel.to_string(), rays, kernel_ms, tests });
@@ -117,7 +108,7 @@ impl Bench {
         let [width, height] = self.size;
         let mut text = format!(
             "{}, {} triangles, {width}x{height}, {}; kernel time, median of {} (least to most)\n\n",
-            self.scene, self.triangles, self.device, self.repeats
+            self.scene, self.triangles, self.machine.device, self.repeats
         );
         text += "| structure | rays | kernel time, ms | million rays/s | nodes a ray | triangles a ray |";
         text += if self.is_the_papers() { " the paper's 165 s are |\n" } else { "\n" };
@@ -149,25 +140,5 @@ impl Row {
 
     fn against_the_paper(&self) -> String {
         format!(" {:.0} times as long |\n", PAPER_SECONDS * 1e3 / self.kernel_ms.median)
-    }
-}
-
-impl Spread {
-    /// Of at least one time, in seconds.
-    fn of(mut seconds: Vec<f64>) -> Self {
-        seconds.sort_by(f64::total_cmp);
-        let at = |index: usize| seconds.get(index).copied().unwrap_or(0.0) * 1e3;
-        Self { median: at(seconds.len() / 2), least: at(0), most: at(seconds.len().saturating_sub(1)) }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_median_is_the_middle_one() {
-        let spread = Spread::of(vec![0.003, 0.001, 0.002]);
-        assert_eq!((spread.median, spread.least, spread.most), (2.0, 1.0, 3.0));
     }
 }

@@ -1,0 +1,207 @@
+//! One scene: its rays, and everyone who answers them.
+
+use std::path::Path;
+
+use anyhow::Context;
+use raywarp::accel::{Accel, Build};
+use raywarp::backend::Device;
+use raywarp::query::{opaque_triangles, Answers, Cost, RayCaster, RayKind, RaySource, Timed, Workload};
+use raywarp::render::default_camera;
+use raywarp::scene::Scene;
+use raywarp::Triangle;
+
+use super::exchange::{write_rays, write_scene};
+use super::options::BenchOptions;
+use super::peers::Peer;
+use super::results::{differing, Agreement, PeerRow, Results, Row, Speed, Task};
+use super::suite::Subject;
+use crate::say;
+use crate::viewpoint::adjusted;
+
+/// Rays of a kind that are counted at most.
+const COUNTED: usize = 100_000;
+
+/// Everyone who answers, on one device.
+pub struct Contest<'a> {
+    /// What the command line says.
+    pub options: &'a BenchOptions,
+    /// Structures and their qualities.
+    pub builds: Vec<Build>,
+    /// Kinds of rays.
+    pub kinds: Vec<RayKind>,
+    /// Where raywarp runs.
+    pub device: &'a Device,
+    /// Those that still run.
+    pub peers: Vec<Peer>,
+    /// Where peers find the scene and the rays.
+    pub folder: &'a Path,
+}
+
+/// A structure over the scene, on the host and on the device.
+struct Entrant {
+    build: Build,
+    structure: Accel,
+    caster: RayCaster,
+}
+
+/// A structure with rays before it.
+struct Runner<'a> {
+    entrant: &'a Entrant,
+    batch: Timed<'a>,
+    seconds: Vec<f64>,
+}
+
+impl Contest<'_> {
+    /// Has everyone answer all rays of a scene.
+    ///
+    /// # Errors
+    /// The scene is empty or has no view, or the device fails. A peer that fails is noted, and out.
+    pub fn measure(&mut self, subject: &Subject, scene: &Scene, results: &mut Results) -> anyhow::Result<()> {
+        let triangles = opaque_triangles(scene)?;
+        anyhow::ensure!(!triangles.is_empty(), "the scene '{}' has no triangle that a ray can hit", subject.name);
+        let camera = adjusted(default_camera(scene, &triangles), &subject.view);
+        let source = RaySource::new(&triangles, &camera, self.options.size)?;
+        let entrants = self.entrants(&subject.name, &triangles)?;
+        self.show_scene(&triangles, results)?;
+
+        let primary = source.primary();
+        let first = entrants.first().context("there is no structure to measure")?;
+        let spots = source.spots(&primary.rays, &first.caster.hits(&primary.rays)?);
+        for kind in self.kinds.clone() {
+            let workload = source.workload(kind, &spots, self.options.min_rays as usize);
+            if workload.rays.is_empty() {
+                results.note(&subject.name, format!("the camera sees nothing that {kind} rays could start from"));
+                continue;
+            }
+            let (scene, count) = (subject.name.clone(), workload.rays.len());
+            let any_hit = kind.any_hit();
+            let task = Task { scene, triangles: triangles.len(), rays: kind, any_hit, count };
+            self.race(&task, &workload, &entrants, results)?;
+        }
+        Ok(())
+    }
+
+    /// Builds every structure and copies it to the device.
+    fn entrants(&self, scene: &str, triangles: &[Triangle]) -> anyhow::Result<Vec<Entrant>> {
+        let entrant = |&build: &Build| {
+            say::line(&format!("{scene}: building {}, {} ...", build.kind, build.quality));
+            let structure = Accel::build(build, triangles.to_vec())?;
+            Ok(Entrant { build, caster: RayCaster::of(&structure, self.device)?, structure })
+        };
+        self.builds.iter().map(entrant).collect()
+    }
+
+    /// Has the peers build their trees.
+    fn show_scene(&mut self, triangles: &[Triangle], results: &mut Results) -> anyhow::Result<()> {
+        if !self.peers.is_empty() {
+            write_scene(self.folder, triangles).context("cannot write the scene for the peers")?;
+        }
+        let folder = self.folder;
+        self.ask_peers(results, |peer| peer.scene(folder));
+        Ok(())
+    }
+
+    /// Asks every peer for something. Those that fail are noted, and out.
+    fn ask_peers(&mut self, results: &mut Results, mut ask: impl FnMut(&mut Peer) -> anyhow::Result<()>) {
+        self.peers.retain_mut(|peer| {
+            let done = ask(peer);
+            if let Err(error) = &done {
+                results.note(&peer.about.name, format!("it failed, and is left out from here on: {error:#}"));
+            }
+            done.is_ok()
+        });
+    }
+
+    /// Has everyone answer the same rays.
+    fn race(
+        &mut self,
+        task: &Task,
+        workload: &Workload,
+        entrants: &[Entrant],
+        results: &mut Results,
+    ) -> anyhow::Result<()> {
+        say::line(&format!("{}: {} {} rays ...", task.scene, task.count, task.rays));
+        let runner = |entrant| Runner::new(entrant, task, workload);
+        let mut runners = entrants.iter().map(runner).collect::<anyhow::Result<Vec<_>>>()?;
+        if !self.peers.is_empty() {
+            write_rays(self.folder, &workload.rays).context("cannot write the rays for the peers")?;
+        }
+        let folder = self.folder;
+        self.ask_peers(results, |peer| peer.rays(folder, task.any_hit));
+        for (warmup, repeats) in self.turns(results) {
+            for runner in &mut runners {
+                runner.seconds.extend(runner.batch.time(warmup, repeats)?);
+            }
+            self.ask_peers(results, |peer| peer.time(warmup, repeats));
+        }
+
+        let mut reference = None;
+        for runner in runners {
+            let structure = &runner.entrant.structure;
+            let cost = || Cost::of(structure, &workload.rays, task.any_hit, COUNTED);
+            let cost = self.options.counts.then(cost);
+            let (row, answers) = runner.finish(task)?;
+            let differ = reference.as_ref().map_or(0, |reference| differing(&answers, reference));
+            results.rows.push(Row { differ, cost, ..row });
+            reference.get_or_insert(answers);
+        }
+        let answers = reference.context("there is no structure to measure")?;
+        let mut rows = Vec::new();
+        self.ask_peers(results, |peer| peer_row(peer, task, &answers, folder).map(|row| rows.extend(row)));
+        results.peers.extend(rows);
+        Ok(())
+    }
+
+    /// Warm-ups and repeats, in the order in which all have their turn. A GPU does all of one in a row, as the caches
+    /// and the clock like it; on a CPU they take turns, as others may have work for it now and then.
+    fn turns(&self, results: &Results) -> Vec<(u32, u32)> {
+        match self.device.is_cuda() {
+            true => vec![(results.warmup, results.repeats)],
+            false => (0..results.repeats).map(|turn| (if turn == 0 { results.warmup } else { 0 }, 1)).collect(),
+        }
+    }
+}
+
+impl<'a> Runner<'a> {
+    fn new(entrant: &'a Entrant, task: &Task, workload: &Workload) -> anyhow::Result<Self> {
+        Ok(Self { entrant, batch: entrant.caster.timed(&workload.rays, task.any_hit)?, seconds: Vec::new() })
+    }
+
+    fn finish(mut self, task: &Task) -> anyhow::Result<(Row, Answers)> {
+        let kernel = self.batch.kernel_info()?;
+        let answers = self.batch.answers()?;
+        let (stats, build) = (self.entrant.structure.stats(), self.entrant.build);
+        let triangle_bytes = size_of_val(self.entrant.structure.triangles());
+        let row = Row {
+            task: task.clone(),
+            layout: build.kind,
+            tree: build.quality,
+            speed: Speed::of(task.count, self.seconds),
+            hit_share: answers.hits() as f64 / task.count as f64,
+            differ: 0,
+            node_bytes: stats.bytes.saturating_sub(triangle_bytes),
+            triangle_bytes,
+            sah_cost: stats.sah_cost,
+            build_seconds: stats.build_seconds,
+            kernel,
+            cost: None,
+        };
+        Ok((row, answers))
+    }
+}
+
+/// The row of a peer's fastest variant.
+fn peer_row(peer: &mut Peer, task: &Task, answers: &Answers, folder: &Path) -> anyhow::Result<Option<PeerRow>> {
+    let Some(fastest) = peer.fastest() else { return Ok(None) };
+    let distances = peer.answers(fastest, folder)?;
+    anyhow::ensure!(distances.len() == task.count, "it has {} answers to {} rays", distances.len(), task.count);
+    let variant = &peer.variants[fastest];
+    Ok(Some(PeerRow {
+        task: task.clone(),
+        peer: peer.about.clone(),
+        variant: variant.name.clone(),
+        speed: Speed::of(task.count, variant.seconds.clone()),
+        build_seconds: variant.build_seconds,
+        agreement: Agreement::of(answers, &distances),
+    }))
+}

@@ -1,0 +1,32 @@
+//! What was measured on, and with what.
+
+use raywarp::backend::{survey, Device};
+use serde::Serialize;
+
+/// A device and the program.
+#[derive(Debug, Serialize)]
+pub struct Machine {
+    /// Its name, for people.
+    pub device: String,
+    /// CUDA version of the driver and highest clock of the device; null on the CPU.
+    cuda: Option<(u32, u32)>,
+    clock_mhz: Option<u32>,
+    /// Of the program.
+    pub version: &'static str,
+    /// Of the sources that the program was built from, where the build said.
+    pub commit: Option<&'static str>,
+}
+
+impl Machine {
+    pub fn of(device: &Device) -> Self {
+        let survey = survey();
+        let gpu = survey.devices.iter().find(|gpu| Some(gpu.index) == device.cuda_index());
+        Self {
+            device: device.description(),
+            cuda: gpu.and_then(|_| survey.driver.as_ref().ok().map(|driver| driver.version)),
+            clock_mhz: gpu.map(|gpu| gpu.clock_mhz),
+            version: env!("CARGO_PKG_VERSION"),
+            commit: option_env!("RAYWARP_COMMIT"),
+        }
+    }
+}

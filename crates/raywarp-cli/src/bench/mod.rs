@@ -1,0 +1,27 @@
+//! `raywarp bench`: how many rays a second, by kind of ray, structure and tree, beside other ray tracers.
+//!
+//! [`suite`] says which scenes, [`contest`] makes the rays of each and has every structure and every [`peers`] answer
+//! them, [`results`] is what came of it and [`table`] how people read it. [`frames`] times whole pictures instead.
+
+mod contest;
+mod exchange;
+mod frames;
+mod machine;
+mod options;
+mod peers;
+mod rays;
+mod results;
+mod spread;
+mod suite;
+mod table;
+
+pub use options::BenchOptions;
+
+/// Measures what the options ask for.
+pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
+    if options.frames {
+        frames::run(options)
+    } else {
+        rays::run(options)
+    }
+}

@@ -1,0 +1,122 @@
+//! Options of `bench`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use raywarp::accel::{AccelKind, Quality};
+use raywarp::backend::DeviceChoice;
+use raywarp::query::RayKind;
+
+use crate::values;
+use crate::viewpoint::View;
+
+const EXAMPLES: &str = "\
+Examples:
+  raywarp bench                                           the built-in scene, every kind of ray
+  raywarp bench model.obj --rays primary,diffuse --layout kd,bvh --tree fast,high
+  raywarp bench model.ply --device cpu --peers            beside Embree and Warp, one thread each
+  raywarp bench --suite docs/bench/suite.toml --models DIR --json
+  raywarp bench --frames                                  whole pictures, by every structure
+
+docs/bench/README.md says what the rays and the columns are.";
+
+/// Options of `bench`.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub struct BenchOptions {
+    /// Scene files; none: the built-in scene, which is the paper's
+    pub scenes: Vec<PathBuf>,
+
+    /// Time whole pictures, without and with shadows and bounces, instead of rays
+    #[arg(long, conflicts_with_all = [
+        "rays", "tree", "min_rays", "warmup", "name", "eye", "target", "up", "fov", "suite", "counts", "peers",
+    ])]
+    #[arg(help_heading = "What to measure")]
+    pub frames: bool,
+    /// Kinds of rays, with commas: primary, shadow, ao (ambient occlusion), diffuse, random; none: all
+    #[arg(long, value_name = "LIST", value_delimiter = ',', help_heading = "What to measure")]
+    pub rays: Vec<RayKind>,
+    /// Structures, with commas: brute, kd, bvh; none: bvh, with --frames all three (brute takes hours on a CPU)
+    #[arg(long, visible_alias = "accel", value_name = "LIST", value_delimiter = ',')]
+    #[arg(help_heading = "What to measure")]
+    pub layout: Vec<AccelKind>,
+    /// Qualities of the trees, with commas: fast, medium, high
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "medium")]
+    #[arg(help_heading = "What to measure")]
+    pub tree: Vec<Quality>,
+    /// Count nodes and triangles a ray as well, on the CPU
+    #[arg(long, help_heading = "What to measure")]
+    pub counts: bool,
+    /// Give the same rays to other ray tracers, and compare times and hits: embree (Python package embreex), warp
+    /// (warp-lang); without a list both
+    #[arg(long, value_name = "LIST", value_delimiter = ',', num_args = 0.., require_equals = true)]
+    #[arg(default_missing_values = ["embree", "warp"], value_parser = ["embree", "warp"], hide_possible_values = true)]
+    #[arg(help_heading = "What to measure")]
+    pub peers: Vec<String>,
+    /// The Python that has the packages
+    #[arg(long, value_name = "PATH", default_value = "python3", requires = "peers", help_heading = "What to measure")]
+    pub python: PathBuf,
+
+    /// Timed repeats; none: 20, with --frames 9
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(help_heading = "How often")]
+    pub repeats: Option<u32>,
+    /// Repeats before those, not timed
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(0..=1000))]
+    #[arg(help_heading = "How often")]
+    pub warmup: u32,
+    /// Size of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = values::size)]
+    #[arg(help_heading = "How often")]
+    pub size: [u32; 2],
+    /// Rays of a kind at least, so that they fill a GPU: several from each hit; and as many random rays
+    #[arg(long, value_name = "N", default_value_t = 2_000_000)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000_000), help_heading = "How often")]
+    pub min_rays: u32,
+
+    /// Name of the scene in the results; none: its file's
+    #[arg(long, value_name = "NAME", help_heading = "Scene")]
+    pub name: Option<String>,
+    /// Put the camera there
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
+    #[arg(help_heading = "Scene")]
+    pub eye: Option<[f32; 3]>,
+    /// Look at this point
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
+    #[arg(help_heading = "Scene")]
+    pub target: Option<[f32; 3]>,
+    /// What is up in the picture: a vector or an axis, such as +Z
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::direction)]
+    #[arg(help_heading = "Scene")]
+    pub up: Option<[f32; 3]>,
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEGREES", value_parser = values::field_of_view, help_heading = "Scene")]
+    pub fov: Option<f32>,
+    /// Scenes with names and cameras, of a TOML file; those without their model are left out
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "name", "eye", "target", "up", "fov"])]
+    #[arg(help_heading = "Scene")]
+    pub suite: Option<PathBuf>,
+    /// Where the models of the suite are; none: beside the suite
+    #[arg(long, value_name = "DIR", requires = "suite", help_heading = "Scene")]
+    pub models: Option<PathBuf>,
+    /// Scenes of the suite, with commas; none: all
+    #[arg(long, value_name = "LIST", value_delimiter = ',', requires = "suite", help_heading = "Scene")]
+    pub only: Vec<String>,
+
+    /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
+    #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
+    pub device: DeviceChoice,
+    /// Threads of the CPU; none: all, beside peers one
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Machine")]
+    pub threads: Option<u32>,
+    /// Print one JSON object
+    #[arg(long, help_heading = "Machine")]
+    pub json: bool,
+}
+
+impl BenchOptions {
+    /// What is to be different about the camera.
+    pub fn view(&self) -> View {
+        View { eye: self.eye, target: self.target, up: self.up, fov: self.fov }
+    }
+}

@@ -1,0 +1,86 @@
+//! `raywarp bench`: rays a second.
+
+use anyhow::Context;
+use raywarp::accel::{AccelKind, Build, Quality};
+use raywarp::backend::Device;
+use raywarp::query::RayKind;
+
+use super::contest::Contest;
+use super::machine::Machine;
+use super::options::BenchOptions;
+use super::peers::Peer;
+use super::results::Results;
+use super::suite::subjects;
+use crate::render::{limit_threads, read};
+use crate::say;
+
+/// Repeats, if the options do not say.
+const REPEATS: u32 = 20;
+
+/// Measures every scene that the options name.
+pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
+    let subjects = subjects(options)?;
+    let device = Device::open(options.device)?;
+    // Peers use one thread of the CPU.
+    let alone = !options.peers.is_empty() && !device.is_cuda();
+    limit_threads(options.threads.or(alone.then_some(1)))?;
+    let mut results = Results {
+        machine: Machine::of(&device),
+        size: options.size,
+        repeats: options.repeats.unwrap_or(REPEATS),
+        warmup: options.warmup,
+        rows: Vec::new(),
+        peers: Vec::new(),
+        notes: Vec::new(),
+    };
+    let folder = tempfile::tempdir().context("cannot make a folder for temporary files")?;
+    let mut contest = Contest {
+        options,
+        builds: builds(options),
+        kinds: if options.rays.is_empty() { RayKind::ALL.to_vec() } else { options.rays.clone() },
+        device: &device,
+        peers: Vec::new(),
+        folder: folder.path(),
+    };
+    contest.peers = peers(options, &contest, &mut results);
+
+    for subject in subjects {
+        if let Some(file) = subject.file.as_deref().filter(|file| subject.optional && !file.exists()) {
+            results.note(&subject.name, format!("left out, as there is no {}", file.display()));
+            continue;
+        }
+        let loaded = read(subject.file.as_deref(), false)?;
+        contest.measure(&subject, &loaded.scene, &mut results)?;
+    }
+    conclude(options, &results)
+}
+
+/// Every structure with every quality that it has.
+fn builds(options: &BenchOptions) -> Vec<Build> {
+    let layouts = if options.layout.is_empty() { &[AccelKind::default()] } else { &options.layout[..] };
+    let qualities = |kind: &AccelKind| match kind {
+        AccelKind::Brute | AccelKind::Kd => vec![Quality::default()],
+        _ => options.tree.clone(),
+    };
+    let builds = |&kind: &AccelKind| qualities(&kind).into_iter().map(move |quality| Build { kind, quality });
+    layouts.iter().flat_map(builds).collect()
+}
+
+/// The peers that run on the device's machine; a note for each that does not.
+fn peers(options: &BenchOptions, contest: &Contest, results: &mut Results) -> Vec<Peer> {
+    let start = |name: &String| {
+        let started = Peer::start(&options.python, contest.folder, name, contest.device);
+        started.map_err(|error| results.note(name, format!("left out: {error:#}"))).ok()
+    };
+    options.peers.iter().filter_map(start).collect()
+}
+
+/// Prints the results, and says what is wrong with them.
+fn conclude(options: &BenchOptions, results: &Results) -> anyhow::Result<()> {
+    anyhow::ensure!(!results.rows.is_empty(), "nothing was measured; the notes above say why");
+    let text = if options.json { serde_json::to_string_pretty(results)? + "\n" } else { results.table() };
+    say::out(text.as_bytes()).context("cannot write the results")?;
+    let differ: usize = results.rows.iter().map(|row| row.differ).sum();
+    anyhow::ensure!(differ == 0, "{differ} answers differ between structures: one of them is wrong; report it");
+    Ok(())
+}

@@ -1,0 +1,144 @@
+//! A batch that stays on the device and is asked again and again: for measuring.
+
+use raywarp_kernels::kernels::{Closest, Kernel, Occluded};
+
+use super::{QueryError, RayCaster};
+use crate::accel::with_structure;
+use crate::backend::{Buffer, DeviceError, KernelInfo};
+use crate::{Hit, Ray};
+
+/// Rays on a device with room for their answers.
+pub struct Timed<'a> {
+    caster: &'a RayCaster,
+    rays: Buffer<Ray>,
+    room: Room,
+}
+
+/// Room for answers on the device.
+enum Room {
+    Closest(Buffer<Hit>),
+    Occluded(Buffer<u32>),
+}
+
+/// What became of a batch, one a ray.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answers {
+    /// As [`RayCaster::closest`].
+    Closest(Vec<Hit>),
+    /// As [`RayCaster::occluded`].
+    Occluded(Vec<bool>),
+}
+
+impl RayCaster {
+    fn time(&self, kernel: &impl Kernel, rays: u32, [warmup, repeats]: [u32; 2]) -> Result<Vec<f64>, DeviceError> {
+        // SAFETY: the structure is borrowed and the batch holds rays and answers until this returns. The builders keep
+        // their indices in range.
+        unsafe { self.device().time(kernel, [rays, 1], warmup, repeats) }
+    }
+
+    /// Copies rays to the device, to ask for the closest hit of each, or whether each hits anything.
+    ///
+    /// # Errors
+    /// The device has no room for the batch.
+    pub fn timed(&self, rays: &[Ray], any_hit: bool) -> Result<Timed<'_>, QueryError> {
+        let answer = if any_hit { size_of::<u32>() } else { size_of::<Hit>() };
+        self.device().reserve(((size_of::<Ray>() + answer) * rays.len()) as u64, "the rays")?;
+        let room = match any_hit {
+            true => Room::Occluded(self.device().zeroed(rays.len())?),
+            false => Room::Closest(self.device().zeroed(rays.len())?),
+        };
+        Ok(Timed { caster: self, rays: self.device().upload(rays)?, room })
+    }
+}
+
+impl Timed<'_> {
+    /// Asks `warmup` times, and then `repeats` times of which each is timed. Returns the seconds on the device, without
+    /// any copy.
+    ///
+    /// # Errors
+    /// The device fails.
+    pub fn time(&mut self, warmup: u32, repeats: u32) -> Result<Vec<f64>, QueryError> {
+        let (caster, rays) = (self.caster, self.rays.view());
+        let seconds = with_structure!(caster.structure(), structure => match &mut self.room {
+            Room::Closest(hits) => {
+                caster.time(&Closest { structure, rays, hits: hits.view_mut() }, rays.len(), [warmup, repeats])
+            }
+            Room::Occluded(occluded) => {
+                let kernel = Occluded { structure, rays, occluded: occluded.view_mut() };
+                caster.time(&kernel, rays.len(), [warmup, repeats])
+            }
+        });
+        Ok(seconds?)
+    }
+
+    /// What the kernel takes of the device; nothing on the CPU.
+    ///
+    /// # Errors
+    /// The device does not answer.
+    pub fn kernel_info(&mut self) -> Result<Option<KernelInfo>, QueryError> {
+        let (caster, rays) = (self.caster, self.rays.view());
+        let (device, extent) = (caster.device(), [rays.len(), 1]);
+        let info = with_structure!(caster.structure(), structure => match &mut self.room {
+            Room::Closest(hits) => device.kernel_info(&Closest { structure, rays, hits: hits.view_mut() }, extent),
+            Room::Occluded(occluded) => {
+                device.kernel_info(&Occluded { structure, rays, occluded: occluded.view_mut() }, extent)
+            }
+        });
+        Ok(info?)
+    }
+
+    /// The answers of the last time; before any, zeros.
+    ///
+    /// # Errors
+    /// The device fails.
+    pub fn answers(self) -> Result<Answers, QueryError> {
+        Ok(match self.room {
+            Room::Closest(hits) => Answers::Closest(hits.download()?),
+            Room::Occluded(occluded) => Answers::Occluded(occluded.download()?.iter().map(|&any| any != 0).collect()),
+        })
+    }
+}
+
+impl Answers {
+    /// Rays that hit something.
+    pub fn hits(&self) -> usize {
+        match self {
+            Self::Closest(hits) => hits.iter().filter(|hit| !hit.is_miss()).count(),
+            Self::Occluded(occluded) => occluded.iter().filter(|&&any| any).count(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::Accel;
+    use crate::backend::Device;
+    use crate::accel::{AccelKind, Build};
+    use crate::backend::DeviceChoice;
+    use crate::{Triangle, Vec3};
+
+    #[test]
+    fn a_batch_answers_as_a_single_call_does() {
+        let floor = Triangle::new([0.0; 3].into(), [1.0, 0.0, 0.0].into(), [0.0, 0.0, 1.0].into(), 0, 0);
+        let down = |x: f32| Ray::new(Vec3::new(x, 2.0, 0.25), Vec3::new(0.0, -1.0, 0.0));
+        let rays: Vec<_> = (0..300).map(|i| down(i as f32 * 0.01)).collect();
+        let device = Device::open(DeviceChoice::Cpu).unwrap();
+        for kind in AccelKind::ALL {
+            let structure = Accel::build(Build::from(kind), vec![floor]).unwrap();
+            let caster = RayCaster::of(&structure, &device).unwrap();
+            for any_hit in [false, true] {
+                let mut batch = caster.timed(&rays, any_hit).unwrap();
+                let seconds = batch.time(1, 3).unwrap();
+                assert!(seconds.len() == 3 && seconds.iter().all(|&seconds| seconds >= 0.0));
+                assert_eq!(batch.kernel_info().unwrap(), None);
+                let answers = batch.answers().unwrap();
+                assert!((74..=76).contains(&answers.hits()), "{}", answers.hits());
+                match answers {
+                    Answers::Closest(hits) => assert_eq!(hits, caster.hits(&rays).unwrap()),
+                    Answers::Occluded(any) => assert_eq!(any, caster.any(&rays).unwrap()),
+                }
+            }
+        }
+    }
+}
