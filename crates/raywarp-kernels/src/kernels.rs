@@ -276,9 +276,11 @@ macro_rules! for_each_kernel {
             closest_brute: $crate::kernels::Closest<$crate::traverse::Brute>,
             closest_kd: $crate::kernels::Closest<$crate::traverse::KdTree>,
             closest_bvh: $crate::kernels::Closest<$crate::traverse::Bvh2>,
+            closest_instanced: $crate::kernels::Closest<$crate::traverse::Instanced>,
             occluded_brute: $crate::kernels::Occluded<$crate::traverse::Brute>,
             occluded_kd: $crate::kernels::Occluded<$crate::traverse::KdTree>,
             occluded_bvh: $crate::kernels::Occluded<$crate::traverse::Bvh2>,
+            occluded_instanced: $crate::kernels::Occluded<$crate::traverse::Instanced>,
         }
     };
 }

@@ -168,6 +168,7 @@ plain!(
     crate::texture::Texture,
     crate::traverse::Tests,
     crate::traverse::bvh2::Node,
+    crate::traverse::instanced::Instance,
     crate::traverse::kdtree::Node,
     crate::triangle::Triangle,
 );

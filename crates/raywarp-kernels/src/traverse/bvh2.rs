@@ -89,29 +89,8 @@ impl Structure for Bvh2 {
         let mut stack = Stack::<Child, MAX_DEPTH>::new();
         let mut t_far = ray.t_max;
         let mut next = Child::node(0);
-        loop {
-            // Go down to the nearest leaf, putting the other child aside where both are entered.
-            while !next.is_leaf() {
-                counter.node();
-                let node = self.nodes.load(next.index());
-                let left = slabs.enter(node.low[0], node.high[0], t_far);
-                let right = slabs.enter(node.low[1], node.high[1], t_far);
-                let [near, far] = node.children;
-                next = match (left, right) {
-                    (Some(left), Some(right)) => {
-                        let (near, far) = if right < left { (far, near) } else { (near, far) };
-                        stack.push(far);
-                        near
-                    }
-                    (Some(_), None) => near,
-                    (None, Some(_)) => far,
-                    (None, None) => match stack.pop() {
-                        Some(child) => child,
-                        None => return,
-                    },
-                };
-            }
-            for index in next.index()..next.index() + next.count() {
+        while let Some(leaf) = descend(&self.nodes, next, &slabs, t_far, &mut stack, counter) {
+            for index in leaf.index()..leaf.index() + leaf.count() {
                 counter.triangle();
                 t_far = visitor.visit(ray, &self.triangles.load(index));
                 if t_far < ray.t_min {
@@ -126,8 +105,38 @@ impl Structure for Bvh2 {
     }
 }
 
+/// Goes down to the nearest leaf, putting the other child aside where both are entered; none where nothing is left.
+#[inline(always)]
+pub(super) fn descend<const N: usize>(
+    nodes: &View<Node>,
+    mut next: Child,
+    slabs: &Slabs,
+    t_far: f32,
+    stack: &mut Stack<Child, N>,
+    counter: &mut impl Counter,
+) -> Option<Child> {
+    while !next.is_leaf() {
+        counter.node();
+        let node = nodes.load(next.index());
+        let left = slabs.enter(node.low[0], node.high[0], t_far);
+        let right = slabs.enter(node.low[1], node.high[1], t_far);
+        let [near, far] = node.children;
+        next = match (left, right) {
+            (Some(left), Some(right)) => {
+                let (near, far) = if right < left { (far, near) } else { (near, far) };
+                stack.push(far);
+                near
+            }
+            (Some(_), None) => near,
+            (None, Some(_)) => far,
+            (None, None) => stack.pop()?,
+        };
+    }
+    Some(next)
+}
+
 /// A ray made ready for many boxes: each plane costs one fused step.
-struct Slabs {
+pub(super) struct Slabs {
     inverse: Vec3,
     /// `-origin * inverse`, rounded towards earlier; for the planes where a box is entered.
     enter: Vec3,
@@ -142,7 +151,7 @@ const SLACK: f32 = 8.0 / 16_777_216.0;
 
 impl Slabs {
     #[inline(always)]
-    fn new(ray: &Ray) -> Self {
+    pub(super) fn new(ray: &Ray) -> Self {
         let inverse = ray.inverse_direction();
         let shift = -(ray.origin * inverse);
         let slack = vec3(shift.x.abs(), shift.y.abs(), shift.z.abs()) * SLACK;
@@ -153,6 +162,14 @@ impl Slabs {
             negative: [inverse.x < 0.0, inverse.y < 0.0, inverse.z < 0.0],
             t_min: ray.t_min,
         }
+    }
+
+    /// The same ray to boxes that are larger by `margin` on every side, and by some roundings of the ray's origin.
+    #[inline(always)]
+    pub(super) fn widened(self, margin: f32) -> Self {
+        let i = self.inverse;
+        let margin = vec3(i.x.abs(), i.y.abs(), i.z.abs()) * margin;
+        Self { enter: self.enter - margin, leave: self.leave + margin, ..self }
     }
 
     /// Where the ray enters a box, if it does before `t_far`.

@@ -1,4 +1,4 @@
-//! Finding what a ray hits: three structures, one way to ask.
+//! Finding what a ray hits: several structures, one way to ask.
 //!
 //! A [`Structure`] hands every triangle that may matter to a visitor, roughly near to far, and the visitor answers how
 //! far the ray is still of interest. Every query is a few lines on top of that. The answer depends on the triangles
@@ -6,6 +6,7 @@
 
 pub mod brute;
 pub mod bvh2;
+pub mod instanced;
 pub mod kdtree;
 
 use crate::ray::{Hit, Ray, MISS};
@@ -13,6 +14,7 @@ use crate::triangle::{flags, Triangle};
 
 pub use brute::Brute;
 pub use bvh2::Bvh2;
+pub use instanced::Instanced;
 pub use kdtree::KdTree;
 
 /// Answer of a visitor that has seen enough: no distance is left.

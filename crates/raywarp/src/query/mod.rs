@@ -1,10 +1,14 @@
 //! Batches of rays, answered without a picture.
 
+mod levels;
+
 use raywarp_kernels::kernels::{Closest, Kernel, Occluded};
 
-use crate::accel::{sift, with_structure, Accel, Build, BuildError, Resident};
+use crate::accel::{sift, with_any_structure, Accel, AnyResident, Build, BuildError, Resident};
 use crate::backend::{Device, DeviceError};
 use crate::{Hit, Ray, Triangle};
+
+pub use levels::{two_level, Levels};
 
 /// Triangles on a device, ready to be asked.
 ///
@@ -23,7 +27,7 @@ use crate::{Hit, Ray, Triangle};
 /// ```
 pub struct RayCaster {
     device: Device,
-    structure: Resident,
+    structure: AnyResident,
 }
 
 /// Why there is no answer.
@@ -45,7 +49,7 @@ impl RayCaster {
     /// Too many triangles for the structure or for the device's memory.
     pub fn new(triangles: Vec<Triangle>, what: impl Into<Build>, device: &Device) -> Result<Self, QueryError> {
         let tree = Accel::build(what, sift(triangles).0)?;
-        Ok(Self { structure: Resident::upload(device, &tree)?, device: device.clone() })
+        Ok(Self { structure: AnyResident::One(Resident::upload(device, &tree)?), device: device.clone() })
     }
 
     /// The closest hit of each ray; of several at the same distance that of the smallest primitive.
@@ -56,7 +60,7 @@ impl RayCaster {
         let rays = self.device.upload(rays)?;
         let mut hits = self.device.zeroed(rays.len() as usize)?;
         let answers = hits.view_mut();
-        with_structure!(&self.structure, structure => {
+        with_any_structure!(&self.structure, structure => {
             self.run(&Closest { structure, rays: rays.view(), hits: answers }, rays.len())?;
         });
         Ok(hits.download()?)
@@ -70,7 +74,7 @@ impl RayCaster {
         let rays = self.device.upload(rays)?;
         let mut occluded = self.device.zeroed::<u32>(rays.len() as usize)?;
         let answers = occluded.view_mut();
-        with_structure!(&self.structure, structure => {
+        with_any_structure!(&self.structure, structure => {
             self.run(&Occluded { structure, rays: rays.view(), occluded: answers }, rays.len())?;
         });
         Ok(occluded.download()?.iter().map(|&answer| answer != 0).collect())

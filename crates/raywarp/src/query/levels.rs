@@ -1,0 +1,100 @@
+//! Whether a scene's meshes are placed by instances of a structure, or brought to world space one by one.
+
+use super::{QueryError, RayCaster};
+use crate::accel::instanced::{self, Instanced, Placement};
+use crate::accel::{AnyResident, BuildError, Quality, ResidentInstanced};
+use crate::backend::Device;
+use crate::render::{check_instance, check_mesh, flags_of, RenderError};
+use crate::scene::{Mesh, Scene};
+use crate::Triangle;
+
+/// One structure over all triangles of the world, or one for each mesh under one of the instances.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Levels {
+    /// Two where that halves what a large scene takes: a million triangles in the world or more, at most half of them
+    /// different. Else one, which is faster to trace.
+    #[default]
+    Auto,
+    /// Every instance's triangles in world space.
+    One,
+    /// Each mesh once, however often it is placed.
+    Two,
+}
+
+/// Triangles of the world from which on memory matters.
+const LARGE: u64 = 1 << 20;
+
+impl Levels {
+    /// Whether two levels are meant for this scene.
+    pub fn are_two(self, scene: &Scene) -> bool {
+        match self {
+            Self::One => false,
+            Self::Two => true,
+            Self::Auto => {
+                let mut uses = vec![0; scene.meshes.len()];
+                for instance in scene.instances.iter().filter(|instance| instance.mesh < scene.meshes.len()) {
+                    uses[instance.mesh] += 1;
+                }
+                let counts = || scene.meshes.iter().map(|mesh| mesh.triangles.len() as u64).zip(&uses);
+                let seen: u64 = counts().map(|(count, &uses)| count * uses).sum();
+                let different: u64 = counts().map(|(count, &uses)| count * uses.min(1)).sum();
+                seen >= LARGE && seen >= 2 * different
+            }
+        }
+    }
+}
+
+/// The structure of two levels over a scene. Its primitives count through the instances in the order of the scene, and
+/// in each through the triangles of its mesh: as in the scene brought to world space.
+///
+/// # Errors
+/// [`RenderError::Scene`] for an index out of range; [`RenderError::Build`] for a scene of 2^32 - 1 triangles or more.
+pub fn two_level(scene: &Scene, quality: Quality) -> Result<Instanced, RenderError> {
+    let flags: Vec<u32> = scene.materials.iter().map(flags_of).collect();
+    let mut placements = Vec::with_capacity(scene.instances.len());
+    let mut placed = vec![false; scene.meshes.len()];
+    let mut first = 0u64;
+    for instance in &scene.instances {
+        let mesh = check_instance(scene, instance)?;
+        if !std::mem::replace(&mut placed[instance.mesh], true) {
+            check_mesh(scene, instance, mesh)?;
+        }
+        let end = first + mesh.triangles.len() as u64;
+        let limit = u32::MAX;
+        if end > u64::from(limit) {
+            let has = scene.instances.iter().filter_map(|i| scene.meshes.get(i.mesh));
+            let has = has.map(|mesh| mesh.triangles.len() as u64).sum();
+            return Err(BuildError::TooManyPrimitives { has, limit }.into());
+        }
+        placements.push(Placement {
+            mesh: instance.mesh,
+            transform: instance.transform,
+            first_primitive: first as u32,
+            flags: instance.material.map(|material| flags[material as usize]),
+        });
+        first = end;
+    }
+    let mesh = |(mesh, &placed): (&Mesh, &bool)| if placed { triangles(mesh, &flags) } else { Vec::new() };
+    Ok(instanced::build(scene.meshes.iter().zip(&placed).map(mesh).collect(), &placements, quality)?)
+}
+
+/// In the space of the mesh, whose indices were checked.
+fn triangles(mesh: &Mesh, flags: &[u32]) -> Vec<Triangle> {
+    let triangle = |((corners, &material), index): ((&[u32; 3], &u32), u32)| {
+        let [a, b, c] = corners.map(|vertex| mesh.positions[vertex as usize].into());
+        Triangle::new(a, b, c, index, flags[material as usize])
+    };
+    mesh.triangles.iter().zip(&mesh.materials).zip(0..).map(triangle).collect()
+}
+
+impl RayCaster {
+    /// Copies a structure of two levels to a device.
+    ///
+    /// # Errors
+    /// The device has no room.
+    pub fn from_instanced(tree: &Instanced, device: &Device) -> Result<Self, QueryError> {
+        let structure = AnyResident::Two(ResidentInstanced::upload(device, tree)?);
+        Ok(Self { structure, device: device.clone() })
+    }
+}
