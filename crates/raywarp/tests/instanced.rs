@@ -206,10 +206,33 @@ fn small_scenes_agree() {
     for kind in 0..TRANSFORMS {
         for family in 0..FAMILIES {
             for seed in 0..6 {
-                check(family, &[kind; 3], 10 + seed as usize, 4, seed << 16 | (kind * FAMILIES + family) as u64).unwrap();
+                check(family, &[kind; 3], 10 + seed as usize, 4, seed << 16 | (kind * FAMILIES + family) as u64)
+                    .unwrap();
             }
         }
     }
+}
+
+/// From there a ray of the world and the one that an instance sees are apart by more than the mesh is large.
+#[test]
+fn rays_from_afar_are_not_lost() {
+    let (mut hits, mesh) = (0, sphere(6));
+    for seed in 0..200 {
+        let mut n = Numbers(seed);
+        let list: Vec<_> = (0..5).map(|i| (0, transform([2, 4, 5, 8][i % 4], &mut n))).collect();
+        let placements = place(std::slice::from_ref(&mesh), &list);
+        let world = flattened(std::slice::from_ref(&mesh), &placements);
+        let tree = build(vec![mesh.clone()], &placements, Quality::default()).unwrap();
+        let everything = Everything::of(&tree);
+        for _ in 0..200 {
+            let target = n.pick(&world).v0;
+            let origin = target + n.point() * n.pick(&[1e4, 1e5, 1e6, 1e7]);
+            let ray = Ray::new(origin, target - origin);
+            agree(&tree, &everything, &ray).unwrap();
+            hits += !tree.closest(&ray, &START, &mut Uncounted).is_miss() as u32;
+        }
+    }
+    assert!(hits > 10_000, "{hits}");
 }
 
 // Closed meshes.

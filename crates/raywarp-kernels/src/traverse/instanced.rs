@@ -2,7 +2,7 @@
 //!
 //! A ray goes through the upper tree in the world. Where it meets an instance it is brought to the space of the mesh and
 //! goes through the mesh's tree there; its direction is not normalised, so `t` is the same in both. Both trees share one
-//! array of nodes, one loop and one stack, on which [`RETURN`] marks the way back to the world.
+//! array of nodes, one loop and one stack, on which a link of its own marks the way back to the world.
 //!
 //! # No hit is lost
 //! A mesh's tree sees a ray with a rounded origin o' and direction d', and finds what brute force finds along exactly
@@ -12,12 +12,13 @@
 //! `e = 3u (|M| (|o| + t |d|) + |c|)`, u = 2^-24. As `t |d| <= |x| + |o|`, the point of the world that the mesh's point
 //! stands for is off x by at most `|L| e <= 3u K (2 |o| + |x|) + 3u |L| |c|`, with L the exact inverse of M and
 //! `K = |L| |M|`. An instance's box holds its share of that, what depends on |o| is [`Instanced::slack`]; both with
-//! a third to spare for their own rounding. Components that underflow, in directions below 2^-100, are excepted.
+//! a third to spare for their own rounding. Components that underflow, in directions below 2^-100, are
+//! excepted; a direction below 2^-126, in the world or in an instance, hits nothing.
 
 use super::bvh2::{descend, Child, Node, Slabs, MAX_DEPTH, MAX_INDEX, MAX_LEAF};
 use super::{Counter, Structure, Visitor};
 use crate::arch;
-use crate::math::vec3;
+use crate::math::{vec3, Vec3};
 use crate::ray::{Ray, MISS};
 use crate::stack::Stack;
 use crate::triangle::{flags, Triangle};
@@ -66,6 +67,9 @@ const RETURN: Child = Child::leaf(MAX_INDEX, MAX_LEAF);
 impl Structure for Instanced {
     #[inline(always)]
     fn traverse(&self, world: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
+        if !may_hit(world) {
+            return;
+        }
         let mut slabs = self.upper(world);
         let mut stack = Stack::<Child, { MAX_UPPER_DEPTH + 1 + MAX_DEPTH }>::new();
         let mut place = Place::WORLD;
@@ -78,11 +82,13 @@ impl Structure for Instanced {
                 (place, slabs) = (Place::WORLD, self.upper(world));
             } else if place.is_world() {
                 let instance = self.instances.load(leaf.index());
-                (place, ray) = (Place::of(&instance), instance.bring(world));
-                slabs = Slabs::new(&ray);
-                stack.push(RETURN);
-                next = Some(instance.root);
-                continue;
+                ray = instance.bring(world);
+                if may_hit(&ray) {
+                    (place, slabs) = (Place::of(&instance), Slabs::new(&ray));
+                    stack.push(RETURN);
+                    next = Some(instance.root);
+                    continue;
+                }
             } else {
                 for index in leaf.index()..leaf.index() + leaf.count() {
                     counter.triangle();
@@ -95,6 +101,14 @@ impl Structure for Instanced {
             next = stack.pop();
         }
     }
+}
+
+/// Whether the ray is finite and leads anywhere. One that does not would be let into every box there is, and into those
+/// of a mesh again and again: with a thousand million triangles a single NaN would be a hang.
+#[inline(always)]
+fn may_hit(ray: &Ray) -> bool {
+    // NaN and infinity times zero are NaN.
+    ray.origin.dot(Vec3::ZERO) + ray.direction.dot(Vec3::ZERO) == 0.0 && ray.direction.max_abs() >= f32::MIN_POSITIVE
 }
 
 impl Instanced {
@@ -122,11 +136,7 @@ impl Instance {
         let point = |[x, y, z, shift]: [f32; 4]| arch::fma(x, o.x, arch::fma(y, o.y, arch::fma(z, o.z, shift)));
         let vector = |[x, y, z, _]: [f32; 4]| arch::fma(x, d.x, arch::fma(y, d.y, z * d.z));
         let [a, b, c] = self.rows;
-        Ray {
-            origin: vec3(point(a), point(b), point(c)),
-            direction: vec3(vector(a), vector(b), vector(c)),
-            ..*world
-        }
+        Ray { origin: vec3(point(a), point(b), point(c)), direction: vec3(vector(a), vector(b), vector(c)), ..*world }
     }
 }
 

@@ -98,3 +98,77 @@ impl RayCaster {
         Ok(Self { structure, device: device.clone() })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backend::DeviceChoice;
+    use crate::scene::{Instance, Material, Transform};
+    use crate::{Ray, Vec3};
+
+    /// Level strips of `triangles` triangles side by side, each a step higher than the one before.
+    fn scene(count: usize, triangles: u32) -> Scene {
+        let corner = |i: u32| [(i % 2) as f32, 0.0, (i / 2) as f32 * 0.1];
+        let mesh = Mesh {
+            positions: (0..triangles + 2).map(corner).collect(),
+            triangles: (0..triangles).map(|i| [i, i + 1, i + 2]).collect(),
+            materials: vec![0; triangles as usize],
+            ..Mesh::default()
+        };
+        let place = |i: usize| {
+            let translation = [2.0 * i as f32, i as f32, 0.0];
+            let transform = Transform { translation, ..Transform::IDENTITY };
+            Instance { name: format!("{i}"), mesh: 0, transform, material: None }
+        };
+        let instances = (0..count).map(place).collect();
+        Scene { meshes: vec![mesh], instances, materials: vec![Material::default()], ..Scene::default() }
+    }
+
+    #[test]
+    fn primitives_count_through_the_instances() {
+        let scene = scene(5, 10);
+        let tree = two_level(&scene, Quality::default()).unwrap();
+        assert_eq!(tree.validate(), Ok(()));
+        let caster = RayCaster::from_instanced(&tree, &Device::open(DeviceChoice::Cpu).unwrap()).unwrap();
+        let down = |i: usize| Ray::new(Vec3::new(2.0 * i as f32 + 0.1, 10.0, 0.01), Vec3::new(0.0, -1.0, 0.0));
+        let rays: Vec<Ray> = (0..6).map(down).collect();
+        let hits = caster.closest(&rays).unwrap();
+        for (i, hit) in hits[..5].iter().enumerate() {
+            assert_eq!((hit.primitive, hit.t), (10 * i as u32, 10.0 - i as f32));
+        }
+        assert!(hits[5].is_miss());
+        assert_eq!(caster.occluded(&rays).unwrap(), [true, true, true, true, true, false]);
+    }
+
+    #[test]
+    fn two_levels_are_for_large_scenes_of_copies() {
+        assert!(!Levels::Auto.are_two(&scene(1, 2 << 20)));
+        assert!(!Levels::Auto.are_two(&scene(100, 100)));
+        let copies = scene(2, 1 << 19);
+        assert!(Levels::Auto.are_two(&copies) && Levels::Two.are_two(&copies) && !Levels::One.are_two(&copies));
+    }
+
+    #[test]
+    fn what_is_out_of_range_is_an_error() {
+        for damage in [
+            (|s: &mut Scene| s.instances[1].mesh = 1) as fn(&mut Scene),
+            |s| s.instances[1].material = Some(1),
+            |s| s.meshes[0].triangles[3][0] = 99,
+            |s| s.meshes[0].materials[3] = 1,
+        ] {
+            let mut broken = scene(2, 10);
+            damage(&mut broken);
+            assert!(matches!(two_level(&broken, Quality::default()), Err(RenderError::Scene { .. })));
+        }
+    }
+
+    /// Ten thousand placements of half a million triangles: more than 32 bits tell apart, and nothing is built for it.
+    #[test]
+    fn more_triangles_than_have_a_name_are_an_error() {
+        let error = two_level(&scene(10_000, 500_000), Quality::default()).unwrap_err();
+        let (has, limit) = (5_000_000_000, u32::MAX);
+        assert!(
+            matches!(error, RenderError::Build(BuildError::TooManyPrimitives { has: h, limit: l }) if (h, l) == (has, limit))
+        );
+    }
+}

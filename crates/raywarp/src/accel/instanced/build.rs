@@ -53,9 +53,10 @@ pub fn build(meshes: Vec<Vec<Triangle>>, placements: &[Placement], quality: Qual
     let mut part_of = vec![0; meshes.len()];
     shared.iter().zip(first..).for_each(|(&mesh, part)| part_of[mesh] = part);
     for (placement, fate) in placements.iter().zip(&fates) {
-        if let Fate::Shared(inverse) = fate {
+        let inverse = (*fate == Fate::Shared).then(|| Inverse::of(&placement.transform)).flatten();
+        if let Some(inverse) = inverse {
             let part = part_of[placement.mesh];
-            placed.add(placement, inverse, part, &covers[part]);
+            placed.add(placement, &inverse, part, &covers[part]);
         }
     }
     BuildError::check_index("instances", placed.instances.len())?;
@@ -93,10 +94,11 @@ impl Mesh {
 }
 
 /// What becomes of a placement.
+#[derive(Clone, Copy, PartialEq, Eq)]
 enum Fate {
     LeftOut,
     Baked,
-    Shared(Inverse),
+    Shared,
 }
 
 fn check(meshes: &[Vec<Triangle>], placements: &[Placement]) -> Result<(), BuildError> {
@@ -122,16 +124,16 @@ fn decide(meshes: &[Mesh], placements: &[Placement]) -> Vec<Fate> {
             1..=SMALL => Fate::Baked,
             _ => Inverse::of(&placement.transform)
                 .filter(|inverse| inverse.world_bounds(&[mesh.bounds]).is_some())
-                .map_or(Fate::Baked, Fate::Shared),
+                .map_or(Fate::Baked, |_| Fate::Shared),
         }
     };
     let mut fates: Vec<Fate> = placements.par_iter().map(decide).collect();
     let mut uses = vec![0; meshes.len()];
     for (fate, placement) in fates.iter().zip(placements) {
-        uses[placement.mesh] += matches!(fate, Fate::Shared(_)) as usize;
+        uses[placement.mesh] += (*fate == Fate::Shared) as usize;
     }
     for (fate, placement) in fates.iter_mut().zip(placements) {
-        if matches!(fate, Fate::Shared(_)) && uses[placement.mesh] == 1 {
+        if *fate == Fate::Shared && uses[placement.mesh] == 1 {
             *fate = Fate::Baked;
         }
     }
@@ -141,18 +143,18 @@ fn decide(meshes: &[Mesh], placements: &[Placement]) -> Vec<Fate> {
 /// The meshes that are shared, in the order in which they are placed first.
 fn number(fates: &[Fate], placements: &[Placement], meshes: usize) -> Vec<usize> {
     let mut seen = vec![false; meshes];
-    let shared = fates.iter().zip(placements).filter(|(fate, _)| matches!(fate, Fate::Shared(_)));
+    let shared = fates.iter().zip(placements).filter(|(&fate, _)| fate == Fate::Shared);
     shared.map(|(_, placement)| placement.mesh).filter(|&mesh| !std::mem::replace(&mut seen[mesh], true)).collect()
 }
 
 fn bake_all(meshes: &[Mesh], placements: &[Placement], fates: &[Fate]) -> (Vec<Triangle>, Dropped) {
-    let baked = placements.iter().zip(fates).filter(|(_, fate)| matches!(fate, Fate::Baked));
+    let baked = placements.iter().zip(fates).filter(|(_, &fate)| fate == Fate::Baked);
     sift(baked.flat_map(|(placement, _)| bake(&meshes[placement.mesh].triangles, placement)).collect())
 }
 
 /// Of the world: each mesh as often as it is placed.
 fn count(meshes: &[Mesh], placements: &[Placement], fates: &[Fate], mut dropped: Dropped) -> InstancedStats {
-    let baked = fates.iter().filter(|fate| matches!(fate, Fate::Baked)).count();
+    let baked = fates.iter().filter(|&&fate| fate == Fate::Baked).count();
     let lost = (dropped.not_finite + dropped.without_area) as u64;
     let mut seen = 0;
     for placement in placements {

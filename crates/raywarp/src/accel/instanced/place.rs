@@ -78,7 +78,8 @@ impl Inverse {
         if self.is_identity() {
             return boxes.iter().copied().reduce(|a, b| a.join(&b));
         }
-        let [low, high] = boxes.iter().map(|part| self.corners(part)).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
+        let [low, high] =
+            boxes.iter().map(|part| self.corners(part)).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
         let margin = self.spread * low.abs().max(high.abs()) + self.absolute * self.shift.abs();
         let margin = margin * (4.0 * ROUNDING) + self.absolute * DVec3::splat(SMALLEST);
         let bounds = Bounds {

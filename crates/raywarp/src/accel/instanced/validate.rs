@@ -152,3 +152,84 @@ impl Walk<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::instanced::{build, Placement};
+    use crate::accel::Quality;
+    use crate::scene::Transform;
+    use raywarp_kernels::math::vec3;
+    use raywarp_kernels::triangle::Triangle;
+
+    /// Two meshes, the first in three places, the second in two.
+    fn scene() -> Instanced {
+        let row = |count: u32| -> Vec<Triangle> {
+            let at = |i: u32, y, z| vec3(i as f32, y, z);
+            (0..count).map(|i| Triangle::new(at(i, 0.0, 0.0), at(i, 1.0, 0.0), at(i, 0.0, 1.0), i, 0)).collect()
+        };
+        let place = |mesh: usize, x: f32| {
+            let columns = [[0.0, 1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.5, 3.0]];
+            let transform = Transform { columns, translation: [x, 0.0, 0.0] };
+            Placement { mesh, transform, first_primitive: x as u32, flags: None }
+        };
+        let places = [place(0, 0.0), place(0, 30.0), place(1, 60.0), place(0, 90.0), place(1, 120.0)];
+        build(vec![row(20), row(30)], &places, Quality::default()).unwrap()
+    }
+
+    #[test]
+    fn what_was_built_is_whole() {
+        assert_eq!(scene().validate(), Ok(()));
+    }
+
+    #[test]
+    fn flaws_of_the_upper_tree_are_found() {
+        let broken = |change: fn(&mut Instanced)| {
+            let mut tree = scene();
+            change(&mut tree);
+            tree.validate().unwrap_err()
+        };
+        assert_eq!(broken(|tree| tree.nodes.clear()), Invalid::NoRoot);
+        assert_eq!(broken(|tree| tree.parts.clear()), Invalid::NoRoot);
+        assert_eq!(broken(|tree| tree.nodes[0].children[0] = Child::node(0)), Invalid::Reached { node: 0 });
+        // A node of a mesh.
+        assert!(matches!(broken(|tree| tree.nodes[0].children[0] = Child::node(4)), Invalid::OutOfRange { .. }));
+        assert!(matches!(broken(|tree| tree.nodes[3].children[0] = Child::leaf(5, 1)), Invalid::OutOfRange { .. }));
+        assert!(matches!(broken(|tree| tree.nodes[3].children[0] = Child::leaf(0, 2)), Invalid::OutOfRange { .. }));
+        assert_eq!(broken(|tree| tree.nodes[0].high[1].x -= 1.0), Invalid::Outside { node: 0 });
+        assert_eq!(
+            broken(|tree| tree.nodes[0].low[0] = vec3(1e9, 0.0, 0.0)),
+            Invalid::Unreached { reached: 3, count: 4 }
+        );
+    }
+
+    #[test]
+    fn flaws_of_instances_are_found() {
+        let broken = |change: fn(&mut Instanced)| {
+            let mut tree = scene();
+            change(&mut tree);
+            let flaw = tree.validate().unwrap_err();
+            assert!(matches!(flaw, Invalid::Instance { instance: 1 | 2, .. } | Invalid::Outside { .. }), "{flaw}");
+            flaw.to_string()
+        };
+        assert!(broken(|tree| tree.instances[1].root = Child::node(0)).contains("root of no mesh"));
+        assert!(broken(|tree| tree.instances[1].root = Child::leaf(4, 1)).contains("root of no mesh"));
+        assert!(broken(|tree| tree.instances[2].first_primitive = MISS - 29).contains("means a miss"));
+        assert!(broken(|tree| tree.instances[1].rows[1] = [0.0; 4]).contains("cannot be undone"));
+        assert!(broken(|tree| tree.instances[1].rows[0][0] += 20.0).contains("slack"));
+        assert!(broken(|tree| tree.instances[1].rows[0][3] += 0.5).contains("sticks out"));
+    }
+
+    #[test]
+    fn flaws_of_a_mesh_say_which() {
+        let mut tree = scene();
+        let second = tree.parts[1].node as usize;
+        tree.nodes[second].high[0].x -= 1.0;
+        let flaw = Box::new(Invalid::Outside { node: 0 });
+        assert_eq!(tree.validate(), Err(Invalid::Mesh { mesh: 1, flaw }));
+        // Into the first mesh.
+        let mut tree = scene();
+        tree.nodes[second].children[0] = Child::node(4);
+        assert!(matches!(tree.validate(), Err(Invalid::Mesh { mesh: 1, .. })));
+    }
+}
