@@ -169,6 +169,7 @@ plain!(
     crate::traverse::Tests,
     crate::traverse::bvh2::Node,
     crate::traverse::compact::Node,
+    crate::traverse::instanced::Instance,
     crate::traverse::kdtree::Node,
     crate::triangle::Triangle,
 );

@@ -1,4 +1,4 @@
-//! Finding what a ray hits: three structures, one way to ask.
+//! Finding what a ray hits: several structures, one way to ask.
 //!
 //! A [`Structure`] hands every triangle that may matter to a visitor, roughly near to far, and the visitor answers how
 //! far the ray is still of interest. Every query is a few lines on top of that. The answer depends on the triangles
@@ -9,8 +9,10 @@ pub mod binary;
 pub mod brute;
 pub mod bvh2;
 pub mod compact;
+pub mod instanced;
 pub mod kdtree;
 pub mod octants;
+mod slabs;
 
 use crate::ray::{Hit, Ray, MISS};
 use crate::triangle::{flags, Across, Triangle};
@@ -19,6 +21,7 @@ pub use all::{all, Keep, Uncollected};
 pub use brute::Brute;
 pub use bvh2::Bvh2;
 pub use compact::Compact;
+pub use instanced::Instanced;
 pub use kdtree::KdTree;
 pub use octants::Octants;
 

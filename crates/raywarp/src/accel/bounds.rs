@@ -20,6 +20,9 @@ impl Bounds {
     /// The origin alone.
     pub const POINT: Self = Self { low: [0.0; 3], high: [0.0; 3] };
 
+    /// Of every finite point.
+    pub const ALL: Self = Self { low: [-f32::MAX; 3], high: [f32::MAX; 3] };
+
     /// Around every point where a ray may be found to hit the triangle; finite, whatever the triangle.
     ///
     /// That is a little more than the corners: the test rounds them, by up to 2^-23 of the triangle's extent across the

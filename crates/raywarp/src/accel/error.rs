@@ -1,5 +1,7 @@
 //! What can go wrong with a structure, as sentences.
 
+use raywarp_kernels::traverse::bvh2::MAX_INDEX;
+
 /// Why a structure could not be built.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -12,6 +14,34 @@ pub enum BuildError {
         /// Most that fit.
         limit: u32,
     },
+    /// Hits name triangles by 32 bits, of which the largest number is the name of a miss.
+    #[error("the instances have {has} triangles in all, more than the {limit} that hits can tell apart; place fewer")]
+    TooManyPrimitives {
+        /// Triangles of all instances up to the one that is too many.
+        has: u64,
+        /// Most that can be named.
+        limit: u32,
+    },
+    /// Links between two levels have too few bits.
+    #[error("the scene has {has} {what}, more than the {limit} that a structure of two levels can index")]
+    TooManyLinks {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many there are.
+        has: usize,
+        /// Most that fit.
+        limit: u32,
+    },
+    /// An instance of nothing.
+    #[error("instance {placement} is of mesh {mesh}, but there are {count}")]
+    NoSuchMesh {
+        /// Which instance, from 0.
+        placement: usize,
+        /// What it says.
+        mesh: usize,
+        /// How many there are.
+        count: usize,
+    },
 }
 
 impl BuildError {
@@ -19,6 +49,14 @@ impl BuildError {
     pub(crate) fn check(has: usize, limit: u32) -> Result<(), Self> {
         if has > limit as usize {
             return Err(Self::TooManyTriangles { has, limit });
+        }
+        Ok(())
+    }
+
+    /// Whether links of a hierarchy can tell `has` things apart.
+    pub(crate) fn check_index(what: &'static str, has: usize) -> Result<(), Self> {
+        if has > MAX_INDEX as usize {
+            return Err(Self::TooManyLinks { what, has, limit: MAX_INDEX });
         }
         Ok(())
     }
@@ -74,6 +112,22 @@ pub enum Invalid {
         leaves: u32,
         /// "1" or "at least 1".
         expected: &'static str,
+    },
+    /// Of one of several trees.
+    #[error("in the tree of mesh {mesh}: {flaw}")]
+    Mesh {
+        /// Which, in the structure's order.
+        mesh: u32,
+        /// What is wrong with it.
+        flaw: Box<Invalid>,
+    },
+    /// A placed mesh would not be found, or its triangles would be called by others' names.
+    #[error("instance {instance} {flaw}")]
+    Instance {
+        /// Which.
+        instance: u32,
+        /// What is wrong with it: the rest of a sentence.
+        flaw: &'static str,
     },
     /// A ray could hit a triangle outside the box and miss it.
     #[error("a triangle below node {node} sticks out of its box there")]

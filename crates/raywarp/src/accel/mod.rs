@@ -4,6 +4,8 @@
 //! list, [`kdtree_median`] builds a [`kdtree`], [`bvh2_binned`] a [`bvh2`]), [`Accel::validate`] proves that traversal
 //! will neither miss a triangle nor leave the arrays, [`Accel::stats`] says how good the tree is.
 //!
+//! Where meshes are placed many times, [`instanced`] keeps each once, with a tree over the placements.
+//!
 //! The structures are those of [`raywarp_kernels::traverse`], owned by the host. Traced on the CPU or copied to a
 //! device as they are, they give the same hits: those of brute force.
 
@@ -14,6 +16,7 @@ pub mod bvh2;
 pub mod bvh2_binned;
 pub mod compact;
 mod error;
+pub mod instanced;
 pub mod kdtree;
 pub mod kdtree_median;
 mod kind;
@@ -31,7 +34,7 @@ use raywarp_kernels::triangle::Triangle;
 pub use error::{BuildError, Invalid};
 pub use kind::{AccelKind, UnknownKind};
 pub use quality::{Build, Quality, UnknownQuality};
-pub(crate) use resident::{with_structure, Resident};
+pub(crate) use resident::{with_any_structure, with_structure, AnyResident, Resident, ResidentInstanced};
 pub use stats::{TreeStats, NODE_COST, TRIANGLE_COST};
 pub use triangles::{sift, Dropped};
 pub use view::Borrowed;

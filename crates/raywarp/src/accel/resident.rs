@@ -1,9 +1,10 @@
 //! A structure in the memory of a device.
 
 use raywarp_kernels::math::Vec3;
-use raywarp_kernels::traverse::{bvh2, compact, kdtree};
+use raywarp_kernels::traverse::{self, bvh2, compact, kdtree};
 use raywarp_kernels::triangle::Triangle;
 
+use super::instanced::Instanced;
 use super::Accel;
 use crate::backend::{Buffer, Device, DeviceError};
 
@@ -98,5 +99,60 @@ impl Resident {
                 grid: tree.grid,
             },
         })
+    }
+}
+
+/// One level or two. What shades a picture knows one; queries take either.
+pub(crate) enum AnyResident {
+    One(Resident),
+    Two(ResidentInstanced),
+}
+
+/// As [`with_structure`], with the view of either.
+macro_rules! with_any_structure {
+    ($resident:expr, $structure:ident => $body:expr) => {
+        $crate::accel::with_any_structure!($resident, $structure, both => both, $body)
+    };
+    ($resident:expr, $structure:ident, $both:ident => $view:expr, $body:expr) => {
+        match $resident {
+            $crate::accel::AnyResident::One(resident) => {
+                $crate::accel::with_structure!(resident, $structure, $both => $view, $body)
+            }
+            $crate::accel::AnyResident::Two(resident) => {
+                let $structure = resident.view();
+                $body
+            }
+        }
+    };
+}
+
+pub(crate) use with_any_structure;
+
+/// Two levels on a device.
+pub(crate) struct ResidentInstanced {
+    nodes: Buffer<bvh2::Node>,
+    triangles: Buffer<Triangle>,
+    instances: Buffer<traverse::instanced::Instance>,
+    slack: f32,
+}
+
+impl ResidentInstanced {
+    pub fn upload(device: &Device, tree: &Instanced) -> Result<Self, DeviceError> {
+        device.reserve(tree.stats().bytes as u64, "the instances and their meshes")?;
+        Ok(Self {
+            nodes: device.upload(&tree.nodes)?,
+            triangles: device.upload(&tree.triangles)?,
+            instances: device.upload(&tree.instances)?,
+            slack: tree.slack,
+        })
+    }
+
+    pub fn view(&self) -> traverse::Instanced {
+        traverse::Instanced {
+            nodes: self.nodes.view(),
+            triangles: self.triangles.view(),
+            instances: self.instances.view(),
+            slack: self.slack,
+        }
     }
 }

@@ -15,6 +15,7 @@ mod error;
 pub mod files;
 mod geometry;
 mod hits;
+mod levels;
 mod question;
 mod ray_kind;
 mod timed;
@@ -23,7 +24,8 @@ mod workload;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::accel::{sift, Accel, Build, Dropped, Resident, TreeStats};
+use crate::accel::{sift, Accel, AnyResident, Build, Dropped, Resident, ResidentInstanced, TreeStats};
+use crate::accel::instanced::Instanced;
 use crate::backend::Device;
 use crate::render::Flat;
 use crate::scene::Scene;
@@ -34,6 +36,7 @@ pub use cost::Cost;
 pub use error::QueryError;
 pub use geometry::Geometries;
 pub use hits::{AllHits, Hits};
+pub use levels::{two_level, Levels};
 pub use ray_kind::{RayKind, UnknownRayKind};
 pub use timed::{Answers, Timed};
 pub use workload::{opaque_triangles, RaySource, Spot, Workload};
@@ -68,7 +71,7 @@ pub struct RayCaster {
 
 struct Shared {
     device: Device,
-    structure: Resident,
+    structure: AnyResident,
     geometries: Geometries,
     report: Report,
 }
@@ -86,13 +89,42 @@ pub struct Report {
     pub build_seconds: f64,
 }
 
+impl Report {
+    fn of_instanced(tree: &Instanced) -> Self {
+        let stats = tree.stats();
+        Self { triangles: stats.seen as usize, tree: TreeStats { bytes: stats.bytes, ..TreeStats::default() }, ..Self::default() }
+    }
+}
+
 impl RayCaster {
     /// Builds a structure over the triangles of all instances and copies it to a device.
     ///
     /// # Errors
     /// The scene has indices out of range, or too many triangles for the structure or for the device's memory.
     pub fn from_scene(scene: &Scene, what: impl Into<Build>, device: &Device) -> Result<Self, QueryError> {
-        Self::build(Flat::of(scene)?.triangles, Geometries::of(scene), what.into(), device)
+        Self::from_scene_in(scene, Levels::Auto, what, device)
+    }
+
+    /// The same, in one level or two.
+    ///
+    /// # Errors
+    /// As for [`from_scene`](Self::from_scene).
+    pub fn from_scene_in(
+        scene: &Scene,
+        levels: Levels,
+        what: impl Into<Build>,
+        device: &Device,
+    ) -> Result<Self, QueryError> {
+        let (what, geometries) = (what.into(), Geometries::of(scene));
+        if !levels.are_two(scene) {
+            return Self::build(Flat::of(scene)?.triangles, geometries, what, device);
+        }
+        let start = Instant::now();
+        let tree = two_level(scene, what.quality)?;
+        let build_seconds = start.elapsed().as_secs_f64();
+        let structure = AnyResident::Two(ResidentInstanced::upload(device, &tree)?);
+        let report = Report { build_seconds, ..Report::of_instanced(&tree) };
+        Ok(Self { shared: Arc::new(Shared { device: device.clone(), structure, geometries, report }) })
     }
 
     /// Builds a structure over the triangles that can be hit and copies it to a device. Hits say the numbers that the
@@ -117,7 +149,7 @@ impl RayCaster {
         let build_seconds = start.elapsed().as_secs_f64();
         let report = Report { triangles: count, dropped, tree: accel.stats(), build_seconds };
         device.reserve(report.tree.bytes as u64, "the scene")?;
-        let structure = Resident::upload(device, &accel)?;
+        let structure = AnyResident::One(Resident::upload(device, &accel)?);
         Ok(Self { shared: Arc::new(Shared { device: device.clone(), structure, geometries, report }) })
     }
 
@@ -128,7 +160,7 @@ impl RayCaster {
     pub fn of(accel: &Accel, device: &Device) -> Result<Self, QueryError> {
         let report = Report { triangles: accel.triangles().len(), tree: accel.stats(), ..Report::default() };
         device.reserve(report.tree.bytes as u64, "the structure")?;
-        let structure = Resident::upload(device, accel)?;
+        let structure = AnyResident::One(Resident::upload(device, accel)?);
         let geometries = Geometries::default();
         Ok(Self { shared: Arc::new(Shared { device: device.clone(), structure, geometries, report }) })
     }
@@ -193,7 +225,7 @@ impl RayCaster {
         &self.shared.geometries
     }
 
-    fn structure(&self) -> &Resident {
+    fn structure(&self) -> &AnyResident {
         &self.shared.structure
     }
 }

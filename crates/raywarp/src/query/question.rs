@@ -5,7 +5,7 @@ use raywarp_kernels::traverse::Structure;
 use raywarp_kernels::view::{View, ViewMut};
 
 use super::{QueryError, RayCaster};
-use crate::accel::with_structure;
+use crate::accel::with_any_structure;
 use crate::backend::{Device, DeviceError, Launch, Stream};
 use crate::{Hit, Ray};
 
@@ -43,11 +43,11 @@ impl RayCaster {
         unsafe {
             match question {
                 Question::Closest { .. } | Question::Any { .. } => {
-                    with_structure!(self.structure(), structure => batch.find(structure, question))
+                    with_any_structure!(self.structure(), structure => batch.find(structure, question))
                 }
                 // Long kernels already: of a tree in two layouts they know one.
                 Question::Count { .. } | Question::All { .. } => {
-                    with_structure!(self.structure(), structure, both => both.compact, batch.collect(structure, question))
+                    with_any_structure!(self.structure(), structure, both => both.compact, batch.collect(structure, question))
                 }
             }
         }

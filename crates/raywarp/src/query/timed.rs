@@ -3,7 +3,7 @@
 use raywarp_kernels::kernels::{Closest, Kernel, Occluded};
 
 use super::{QueryError, RayCaster};
-use crate::accel::with_structure;
+use crate::accel::with_any_structure;
 use crate::backend::{Buffer, DeviceError, KernelInfo};
 use crate::{Hit, Ray};
 
@@ -59,7 +59,7 @@ impl Timed<'_> {
     /// The device fails.
     pub fn time(&mut self, warmup: u32, repeats: u32) -> Result<Vec<f64>, QueryError> {
         let (caster, rays) = (self.caster, self.rays.view());
-        let seconds = with_structure!(caster.structure(), structure => match &mut self.room {
+        let seconds = with_any_structure!(caster.structure(), structure => match &mut self.room {
             Room::Closest(hits) => {
                 caster.time(&Closest { structure, rays, hits: hits.view_mut() }, rays.len(), [warmup, repeats])
             }
@@ -78,7 +78,7 @@ impl Timed<'_> {
     pub fn kernel_info(&mut self) -> Result<Option<KernelInfo>, QueryError> {
         let (caster, rays) = (self.caster, self.rays.view());
         let (device, extent) = (caster.device(), [rays.len(), 1]);
-        let info = with_structure!(caster.structure(), structure => match &mut self.room {
+        let info = with_any_structure!(caster.structure(), structure => match &mut self.room {
             Room::Closest(hits) => device.kernel_info(&Closest { structure, rays, hits: hits.view_mut() }, extent),
             Room::Occluded(occluded) => {
                 device.kernel_info(&Occluded { structure, rays, occluded: occluded.view_mut() }, extent)

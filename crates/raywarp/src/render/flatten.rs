@@ -37,7 +37,8 @@ impl Flat {
 
         let mut flat = Self::default();
         for instance in &scene.instances {
-            let mesh = check(scene, instance)?;
+            let mesh = check_instance(scene, instance)?;
+            check_mesh(scene, instance, mesh)?;
             let first = flat.positions.len() as u32;
             flat.place(mesh, instance);
             pad(&mut flat.uvs, &mesh.uvs, mesh, with_uvs, [0.0; 2]);
@@ -102,31 +103,41 @@ fn pad<T: Copy>(all: &mut Vec<T>, own: &[T], mesh: &Mesh, wanted: bool, missing:
 }
 
 /// What shadow and camera rays must know of a triangle without asking its material.
-fn flags_of(material: &Material) -> u32 {
+pub(crate) fn flags_of(material: &Material) -> u32 {
     let cutout = if material.alpha == AlphaMode::Opaque { 0 } else { flags::CUTOUT };
     let transparent = if material.transmission == [0.0; 3] { 0 } else { flags::TRANSPARENT };
     cutout | transparent
 }
 
-/// The mesh of an instance, once all its indices are in range: kernels do not look.
-fn check<'a>(scene: &'a Scene, instance: &Instance) -> Result<&'a Mesh, RenderError> {
-    let wrong = |part| RenderError::Scene { mesh: format!("the instance '{}'", instance.name), part };
-    let mesh = scene.meshes.get(instance.mesh).ok_or_else(|| wrong("the mesh index"))?;
+/// The mesh of an instance, once its own indices are in range.
+pub(crate) fn check_instance<'a>(scene: &'a Scene, instance: &Instance) -> Result<&'a Mesh, RenderError> {
+    let mesh = scene.meshes.get(instance.mesh).ok_or_else(|| wrong(instance, "the mesh index"))?;
+    match instance.material {
+        Some(material) if material as usize >= scene.materials.len() => Err(wrong(instance, "a material index")),
+        _ => Ok(mesh),
+    }
+}
+
+/// Whether all indices of an instance's mesh are in range: kernels do not look.
+pub(crate) fn check_mesh(scene: &Scene, instance: &Instance, mesh: &Mesh) -> Result<(), RenderError> {
     let vertices = mesh.positions.len();
     let fits = |len: usize| len == 0 || len == vertices;
     if !fits(mesh.normals.len()) || !fits(mesh.uvs.len()) || !fits(mesh.colors.len()) || !fits(mesh.tangents.len()) {
-        return Err(wrong("the number of normals, texture coordinates, colours or tangents"));
+        return Err(wrong(instance, "the number of normals, texture coordinates, colours or tangents"));
     }
     if mesh.triangles.iter().flatten().any(|&vertex| vertex as usize >= vertices) {
-        return Err(wrong("a vertex index"));
+        return Err(wrong(instance, "a vertex index"));
     }
-    let materials = mesh.materials.iter().chain(&instance.material);
     if mesh.materials.len() != mesh.triangles.len()
-        || materials.into_iter().any(|&m| m as usize >= scene.materials.len())
+        || mesh.materials.iter().any(|&m| m as usize >= scene.materials.len())
     {
-        return Err(wrong("a material index"));
+        return Err(wrong(instance, "a material index"));
     }
-    Ok(mesh)
+    Ok(())
+}
+
+fn wrong(instance: &Instance, part: &'static str) -> RenderError {
+    RenderError::Scene { mesh: format!("the instance '{}'", instance.name), part }
 }
 
 /// Low and high corner of all triangles; both zero where there are none.

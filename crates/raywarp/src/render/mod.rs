@@ -30,6 +30,7 @@ use options::Window;
 use resident::ResidentScene;
 
 pub use error::RenderError;
+pub(crate) use flatten::{check_instance, check_mesh, flags_of};
 pub use options::{RenderOptions, MAX_DEPTH, MAX_SIDE, MAX_SPP};
 
 /// A scene on a device, ready to be traced from any camera.

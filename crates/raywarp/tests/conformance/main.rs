@@ -5,6 +5,7 @@
 //! where the tests run without the sources.
 
 mod hits;
+mod instances;
 mod pictures;
 mod queries;
 mod watertight;
