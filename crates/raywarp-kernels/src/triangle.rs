@@ -114,6 +114,98 @@ impl Triangle {
     }
 }
 
+/// Four triangles, a component of all four after the other.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Four {
+    /// x, y and z of the four vertices 0, then of vertices 1 and 2.
+    pub corners: [[[f32; 4]; 3]; 3],
+    /// See [`Triangle::primitive`].
+    pub primitive: [u32; 4],
+    /// See [`flags`].
+    pub flags: [u32; 4],
+    /// See [`Triangle::extent`].
+    pub extent: [f32; 4],
+}
+
+impl Four {
+    /// Of up to four triangles. Places that are left have points of primitive [`MISS`](crate::ray::MISS).
+    pub fn new(triangles: &[Triangle]) -> Self {
+        let mut four =
+            Self { corners: [[[0.0; 4]; 3]; 3], primitive: [crate::ray::MISS; 4], flags: [0; 4], extent: [0.0; 4] };
+        for (lane, triangle) in triangles.iter().take(4).enumerate() {
+            for (corner, vertex) in [triangle.v0, triangle.v1, triangle.v2].into_iter().enumerate() {
+                (0..3).for_each(|axis| four.corners[corner][axis][lane] = vertex.to_array()[axis]);
+            }
+            four.primitive[lane] = triangle.primitive;
+            four.flags[lane] = triangle.flags;
+            four.extent[lane] = triangle.extent;
+        }
+        four
+    }
+
+    /// One of them, of the four.
+    #[inline(always)]
+    pub fn triangle(&self, lane: usize) -> Triangle {
+        let lane = lane & 3;
+        let corner = |c: &[[f32; 4]; 3]| Vec3::new(c[0][lane], c[1][lane], c[2][lane]);
+        let [v0, v1, v2] = &self.corners;
+        Triangle {
+            v0: corner(v0),
+            v1: corner(v1),
+            v2: corner(v2),
+            primitive: self.primitive[lane],
+            flags: self.flags[lane],
+            extent: self.extent[lane],
+        }
+    }
+
+    /// Bit `i` is 0 where [`Triangle::intersect`] refuses triangle `i` at once; where it is 1 it has to be asked. The same
+    /// operations, on four numbers at a time; what NaN makes of the least weight only leads to asking.
+    #[inline(always)]
+    pub fn may_be_hit(&self, ray: &Ray) -> u32 {
+        let (mut certain, mut least) = ([0.0; 8], [0.0; 8]);
+        for i in 0..4 {
+            let t = self.triangle(i);
+            let (d, s) = (ray.direction, ray.origin - t.v0);
+            let (e1, e2) = (t.v1 - t.v0, t.v2 - t.v0);
+            let p = d.cross(e2);
+            let det = e1.dot(p);
+            let sign = f32::from_bits(det.to_bits() & 0x8000_0000 | 0x3f80_0000);
+            let u = s.dot(p) * sign;
+            let v = d.dot(s.cross(e1)) * sign;
+            let w = det.abs() - u - v;
+            let length = d.max_abs();
+            let distance = larger(larger(larger(s.x.abs(), s.y.abs()), s.z.abs()), t.extent);
+            let largest = 8.0 * t.extent * distance * length;
+            let doubt = arch::fma(largest, ROUNDING / 8.0, VANISHING * (length + distance + 1.0));
+            // A step beyond, since `at_most` takes in what is equal; and infinite doubt stays below every weight.
+            certain[i] = doubt * -(1.0 + f32::EPSILON);
+            least[i] = larger(f32::MIN, smaller(smaller(u, v), w));
+        }
+        !arch::at_most(&least, &certain) & 15
+    }
+}
+
+/// As [`arch::max`], but `b` where one is NaN: one instruction of a vector.
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b {
+        a
+    } else {
+        b
+    }
+}
+
+#[inline(always)]
+fn smaller(a: f32, b: f32) -> f32 {
+    if a < b {
+        a
+    } else {
+        b
+    }
+}
+
 /// A ray as an axis: points are told by where they lie along it and across it.
 struct Across {
     /// The direction's largest component and the two others.

@@ -127,22 +127,22 @@ impl Structure for Bvh2 {
 }
 
 /// A ray made ready for many boxes: each plane costs one fused step.
-struct Slabs {
-    inverse: Vec3,
+pub(super) struct Slabs {
+    pub inverse: Vec3,
     /// `-origin * inverse`, rounded towards earlier; for the planes where a box is entered.
-    enter: Vec3,
+    pub enter: Vec3,
     /// The same rounded towards later; for the planes where a box is left.
-    leave: Vec3,
-    negative: [bool; 3],
-    t_min: f32,
+    pub leave: Vec3,
+    pub negative: [bool; 3],
+    pub t_min: f32,
 }
 
 /// A few roundings of single precision, see [`Slabs::enter`].
-const SLACK: f32 = 8.0 / 16_777_216.0;
+pub(super) const SLACK: f32 = 8.0 / 16_777_216.0;
 
 impl Slabs {
     #[inline(always)]
-    fn new(ray: &Ray) -> Self {
+    pub fn new(ray: &Ray) -> Self {
         let inverse = ray.inverse_direction();
         let shift = -(ray.origin * inverse);
         let slack = vec3(shift.x.abs(), shift.y.abs(), shift.z.abs()) * SLACK;

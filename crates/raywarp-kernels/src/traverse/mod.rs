@@ -1,4 +1,4 @@
-//! Finding what a ray hits: three structures, one way to ask.
+//! Finding what a ray hits: several structures, one way to ask.
 //!
 //! A [`Structure`] hands every triangle that may matter to a visitor, roughly near to far, and the visitor answers how
 //! far the ray is still of interest. Every query is a few lines on top of that. The answer depends on the triangles
@@ -6,6 +6,11 @@
 
 pub mod brute;
 pub mod bvh2;
+pub mod bvh4;
+pub mod bvh8;
+pub mod bvh8f;
+pub mod bvh8w;
+mod grid;
 pub mod kdtree;
 
 use crate::ray::{Hit, Ray, MISS};
@@ -13,6 +18,10 @@ use crate::triangle::{flags, Triangle};
 
 pub use brute::Brute;
 pub use bvh2::Bvh2;
+pub use bvh4::Bvh4;
+pub use bvh8::Bvh8;
+pub use bvh8f::Bvh8f;
+pub use bvh8w::Bvh8w;
 pub use kdtree::KdTree;
 
 /// Answer of a visitor that has seen enough: no distance is left.

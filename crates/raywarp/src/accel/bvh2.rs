@@ -85,7 +85,7 @@ impl Bvh2 {
 }
 
 /// The sides on which a node has a child.
-fn children_of(node: &Node) -> impl Iterator<Item = usize> + '_ {
+pub(super) fn children_of(node: &Node) -> impl Iterator<Item = usize> + '_ {
     (0..2).filter(|&side| has_child(node, side))
 }
 
@@ -93,7 +93,7 @@ fn has_child(node: &Node, side: usize) -> bool {
     (0..3).all(|axis| node.low[side][axis] <= node.high[side][axis])
 }
 
-fn child_box(node: &Node, side: usize) -> Bounds {
+pub(super) fn child_box(node: &Node, side: usize) -> Bounds {
     Bounds { low: node.low[side].to_array(), high: node.high[side].to_array() }
 }
 
@@ -166,6 +166,6 @@ impl Walk<'_> {
 }
 
 /// Whether this is the triangle of an empty scene, which belongs to no leaf.
-fn is_point(triangle: &Triangle) -> bool {
+pub(super) fn is_point(triangle: &Triangle) -> bool {
     triangle.v0 == triangle.v1 && triangle.v0 == triangle.v2
 }

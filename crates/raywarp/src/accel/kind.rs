@@ -14,11 +14,19 @@ pub enum AccelKind {
     /// Binary hierarchy of boxes by the surface area heuristic.
     #[default]
     Bvh,
+    /// Four boxes a node, quantised to eight bits: 64 bytes.
+    Bvh4,
+    /// Eight boxes a node, compressed to 80 bytes.
+    Bvh8,
+    /// Eight boxes a node, quantised to eight bits, with a link each: 128 bytes.
+    Bvh8w,
+    /// Eight boxes a node in full precision, for the vector instructions of a CPU.
+    Bvh8f,
 }
 
 impl AccelKind {
     /// Every kind.
-    pub const ALL: [Self; 3] = [Self::Brute, Self::Kd, Self::Bvh];
+    pub const ALL: [Self; 7] = [Self::Brute, Self::Kd, Self::Bvh, Self::Bvh4, Self::Bvh8, Self::Bvh8w, Self::Bvh8f];
 
     /// The name that [`FromStr`] reads.
     pub const fn name(self) -> &'static str {
@@ -26,6 +34,10 @@ impl AccelKind {
             Self::Brute => "brute",
             Self::Kd => "kd",
             Self::Bvh => "bvh",
+            Self::Bvh4 => "bvh4",
+            Self::Bvh8 => "bvh8",
+            Self::Bvh8w => "bvh8w",
+            Self::Bvh8f => "bvh8f",
         }
     }
 }
@@ -38,7 +50,7 @@ impl fmt::Display for AccelKind {
 
 /// A name that belongs to no structure.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("'{0}' is no acceleration structure; expected brute, kd or bvh")]
+#[error("'{0}' is no acceleration structure; expected brute, kd, bvh, bvh4, bvh8, bvh8w or bvh8f")]
 pub struct UnknownKind(pub String);
 
 impl FromStr for AccelKind {

@@ -1,8 +1,9 @@
 //! Building what finds the triangles along a ray.
 //!
 //! The way of a triangle: [`sift`] drops what can never be hit, [`Accel::build`] picks a builder ([`brute`] keeps the
-//! list, [`kdtree_median`] builds a [`kdtree`], [`bvh2_binned`] a [`bvh2`]), [`Accel::validate`] proves that traversal
-//! will neither miss a triangle nor leave the arrays, [`Accel::stats`] says how good the tree is.
+//! list, [`kdtree_median`] builds a [`kdtree`], [`bvh2_binned`] a [`bvh2`], of which wider trees are made: [`bvh4`],
+//! [`bvh8`], [`bvh8w`], [`bvh8f`]), [`Accel::validate`] proves that traversal will neither miss a triangle nor leave the
+//! arrays, [`Accel::stats`] says how good the tree is.
 //!
 //! The structures are those of [`raywarp_kernels::traverse`], owned by the host. Traced on the CPU or copied to a
 //! device as they are, they give the same hits: those of brute force.
@@ -12,15 +13,25 @@ mod bounds;
 pub mod brute;
 pub mod bvh2;
 pub mod bvh2_binned;
+pub mod bvh4;
+pub mod bvh8;
+pub mod bvh8f;
+pub mod bvh8w;
+mod collapse;
 mod error;
+mod grid;
 pub mod kdtree;
 pub mod kdtree_median;
 mod kind;
+mod octants;
 mod quality;
 mod resident;
 mod stats;
 mod triangles;
 mod view;
+mod wide;
+
+use std::borrow::Cow;
 
 use raywarp_kernels::ray::{Hit, Ray};
 use raywarp_kernels::traverse::{closest, occlusion, Counter, Occlusion};
@@ -43,6 +54,14 @@ pub enum Accel {
     Kd(kdtree::KdTree),
     /// A binary hierarchy of boxes.
     Bvh(bvh2::Bvh2),
+    /// Four boxes a node, quantised.
+    Bvh4(bvh4::Bvh4),
+    /// Eight boxes a node, compressed.
+    Bvh8(bvh8::Bvh8),
+    /// Eight boxes a node, quantised, with a link each.
+    Bvh8w(bvh8w::Bvh8w),
+    /// Eight boxes a node in full precision.
+    Bvh8f(bvh8f::Bvh8f),
 }
 
 impl Accel {
@@ -55,6 +74,10 @@ impl Accel {
             AccelKind::Brute => Self::Brute(brute::Brute::new(triangles)?),
             AccelKind::Kd => Self::Kd(kdtree_median::build(triangles)?),
             AccelKind::Bvh => Self::Bvh(bvh2_binned::build(triangles)?),
+            AccelKind::Bvh4 => Self::Bvh4(bvh4::Bvh4::from_bvh2(&bvh2_binned::build(triangles)?)),
+            AccelKind::Bvh8 => Self::Bvh8(bvh8::Bvh8::from_bvh2(&bvh2_binned::build(triangles)?)),
+            AccelKind::Bvh8w => Self::Bvh8w(bvh8w::Bvh8w::from_bvh2(&bvh2_binned::build(triangles)?)),
+            AccelKind::Bvh8f => Self::Bvh8f(bvh8f::Bvh8f::from_bvh2(&bvh2_binned::build(triangles)?)?),
         })
     }
 
@@ -64,6 +87,10 @@ impl Accel {
             Self::Brute(_) => AccelKind::Brute,
             Self::Kd(_) => AccelKind::Kd,
             Self::Bvh(_) => AccelKind::Bvh,
+            Self::Bvh4(_) => AccelKind::Bvh4,
+            Self::Bvh8(_) => AccelKind::Bvh8,
+            Self::Bvh8w(_) => AccelKind::Bvh8w,
+            Self::Bvh8f(_) => AccelKind::Bvh8f,
         }
     }
 
@@ -76,6 +103,10 @@ impl Accel {
             Self::Brute(_) => Ok(()),
             Self::Kd(tree) => tree.validate(),
             Self::Bvh(tree) => tree.validate(),
+            Self::Bvh4(tree) => tree.validate(),
+            Self::Bvh8(tree) => tree.validate(),
+            Self::Bvh8w(tree) => tree.validate(),
+            Self::Bvh8f(tree) => tree.validate(),
         }
     }
 
@@ -85,15 +116,23 @@ impl Accel {
             Self::Brute(list) => list.stats(),
             Self::Kd(tree) => tree.stats(),
             Self::Bvh(tree) => tree.stats(),
+            Self::Bvh4(tree) => tree.stats(),
+            Self::Bvh8(tree) => tree.stats(),
+            Self::Bvh8w(tree) => tree.stats(),
+            Self::Bvh8f(tree) => tree.stats(),
         }
     }
 
     /// The triangles, in the structure's order. An empty scene may have one here that no ray hits.
-    pub fn triangles(&self) -> &[Triangle] {
+    pub fn triangles(&self) -> Cow<'_, [Triangle]> {
         match self {
-            Self::Brute(list) => list.triangles(),
-            Self::Kd(tree) => tree.triangles(),
-            Self::Bvh(tree) => tree.triangles(),
+            Self::Brute(list) => list.triangles().into(),
+            Self::Kd(tree) => tree.triangles().into(),
+            Self::Bvh(tree) => tree.triangles().into(),
+            Self::Bvh4(tree) => tree.triangles().into(),
+            Self::Bvh8(tree) => tree.triangles().into(),
+            Self::Bvh8w(tree) => tree.triangles().into(),
+            Self::Bvh8f(tree) => tree.triangles().into(),
         }
     }
 
@@ -103,6 +142,10 @@ impl Accel {
             Self::Brute(list) => closest(&list.view(), ray, previous, counter),
             Self::Kd(tree) => closest(&tree.view(), ray, previous, counter),
             Self::Bvh(tree) => closest(&tree.view(), ray, previous, counter),
+            Self::Bvh4(tree) => closest(&tree.view(), ray, previous, counter),
+            Self::Bvh8(tree) => closest(&tree.view(), ray, previous, counter),
+            Self::Bvh8w(tree) => closest(&tree.view(), ray, previous, counter),
+            Self::Bvh8f(tree) => closest(&tree.view(), ray, previous, counter),
         }
     }
 
@@ -112,6 +155,10 @@ impl Accel {
             Self::Brute(list) => occlusion(&list.view(), ray, counter),
             Self::Kd(tree) => occlusion(&tree.view(), ray, counter),
             Self::Bvh(tree) => occlusion(&tree.view(), ray, counter),
+            Self::Bvh4(tree) => occlusion(&tree.view(), ray, counter),
+            Self::Bvh8(tree) => occlusion(&tree.view(), ray, counter),
+            Self::Bvh8w(tree) => occlusion(&tree.view(), ray, counter),
+            Self::Bvh8f(tree) => occlusion(&tree.view(), ray, counter),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A structure in the memory of a device.
 
 use raywarp_kernels::math::Vec3;
-use raywarp_kernels::traverse::{bvh2, kdtree};
+use raywarp_kernels::traverse::{bvh2, bvh4, bvh8, bvh8f, bvh8w, kdtree};
 use raywarp_kernels::triangle::Triangle;
 
 use super::Accel;
@@ -12,6 +12,10 @@ pub(crate) enum Resident {
     Brute { triangles: Buffer<Triangle> },
     Kd { nodes: Buffer<kdtree::Node>, references: Buffer<u32>, triangles: Buffer<Triangle>, low: Vec3, high: Vec3 },
     Bvh { nodes: Buffer<bvh2::Node>, triangles: Buffer<Triangle> },
+    Bvh4 { nodes: Buffer<bvh4::Node>, triangles: Buffer<Triangle> },
+    Bvh8 { nodes: Buffer<bvh8::Node>, triangles: Buffer<Triangle> },
+    Bvh8w { nodes: Buffer<bvh8w::Node>, triangles: Buffer<Triangle> },
+    Bvh8f { nodes: Buffer<bvh8f::Node>, blocks: Buffer<bvh8f::Block> },
 }
 
 /// Evaluates an expression with the structure's view under a name, once for each kind.
@@ -36,6 +40,22 @@ macro_rules! with_structure {
                 let $structure = raywarp_kernels::traverse::Bvh2 { nodes: nodes.view(), triangles: triangles.view() };
                 $body
             }
+            $crate::accel::Resident::Bvh4 { nodes, triangles } => {
+                let $structure = raywarp_kernels::traverse::Bvh4 { nodes: nodes.view(), triangles: triangles.view() };
+                $body
+            }
+            $crate::accel::Resident::Bvh8 { nodes, triangles } => {
+                let $structure = raywarp_kernels::traverse::Bvh8 { nodes: nodes.view(), triangles: triangles.view() };
+                $body
+            }
+            $crate::accel::Resident::Bvh8w { nodes, triangles } => {
+                let $structure = raywarp_kernels::traverse::Bvh8w { nodes: nodes.view(), triangles: triangles.view() };
+                $body
+            }
+            $crate::accel::Resident::Bvh8f { nodes, blocks } => {
+                let $structure = raywarp_kernels::traverse::Bvh8f { nodes: nodes.view(), blocks: blocks.view() };
+                $body
+            }
         }
     };
 }
@@ -55,6 +75,18 @@ impl Resident {
             },
             Accel::Bvh(tree) => {
                 Self::Bvh { nodes: device.upload(&tree.nodes)?, triangles: device.upload(&tree.triangles)? }
+            }
+            Accel::Bvh4(tree) => {
+                Self::Bvh4 { nodes: device.upload(&tree.nodes)?, triangles: device.upload(&tree.triangles)? }
+            }
+            Accel::Bvh8(tree) => {
+                Self::Bvh8 { nodes: device.upload(&tree.nodes)?, triangles: device.upload(&tree.triangles)? }
+            }
+            Accel::Bvh8w(tree) => {
+                Self::Bvh8w { nodes: device.upload(&tree.nodes)?, triangles: device.upload(&tree.triangles)? }
+            }
+            Accel::Bvh8f(tree) => {
+                Self::Bvh8f { nodes: device.upload(&tree.nodes)?, blocks: device.upload(&tree.blocks)? }
             }
         })
     }
