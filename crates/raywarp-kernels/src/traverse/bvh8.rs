@@ -51,7 +51,7 @@ impl Slot {
 
     /// A node in slot `slot`: one bit, of the upper eight.
     pub const fn node(slot: u8) -> u8 {
-        1 << 5 | 24 + slot
+        (1 << 5) | (24 + slot)
     }
 
     /// `count` triangles, 1 to [`MAX_LEAF`], from the `first` of the node on, at most 21: as many bits.
@@ -153,7 +153,7 @@ impl Node {
 fn entered_of_four(slots: u32, octant: u32, grid: &Grid, near: [u32; 3], far: [u32; 3], t_far: f32) -> u32 {
     // Only of a node are bits 3 and 4 of the place both set: its turn depends on the octant.
     let nodes = (slots & slots << 1) >> 4 & 0x0101_0101;
-    let places = (slots ^ nodes * octant) & 0x1f1f_1f1f;
+    let places = (slots ^ (nodes * octant)) & 0x1f1f_1f1f;
     let bits = slots >> 5 & 0x0707_0707;
     bits_of::<0>(grid.enter::<0>(near, far, t_far), bits, places)
         | bits_of::<1>(grid.enter::<1>(near, far, t_far), bits, places)

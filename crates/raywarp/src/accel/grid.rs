@@ -125,11 +125,11 @@ mod tests {
                     let planes = grid.planes(&part);
                     prop_assert!(grid.region(planes).contains(&part), "{grid:?} {planes:?}");
                     // And no larger than they must be.
-                    for i in 0..3 {
+                    for (i, [first, last]) in planes.into_iter().enumerate() {
                         let [low, high] = [part.low[i], part.high[i]].map(|x| f64::from(x) - f64::from(grid.origin[i]));
                         let spacing = f64::from(grid.spacing[i]);
-                        prop_assert!(f64::from(planes[i][0]) + 1.0 > low / spacing * (1.0 - 1e-12) || planes[i][0] == 255);
-                        prop_assert!(f64::from(planes[i][1]) - 1.0 <= high / spacing * (1.0 + 1e-12));
+                        prop_assert!(f64::from(first) + 1.0 > low / spacing * (1.0 - 1e-12) || first == 255);
+                        prop_assert!(f64::from(last) - 1.0 <= high / spacing * (1.0 + 1e-12));
                     }
                 }
             }

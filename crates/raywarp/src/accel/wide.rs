@@ -319,7 +319,7 @@ mod tests {
         };
         assert_eq!(broken(|tree| tree.nodes[0].children[0] = Child::node(0)), Invalid::Reached { node: 0 });
         assert_eq!(broken(|tree| tree.nodes[0].spacing.x = 0.0), Invalid::Grid { node: 0 });
-        assert!(matches!(broken(|tree| tree.nodes[0].high[0] = 0x0101_0101), Invalid::Outside { .. }));
+        assert!(matches!(broken(|tree| tree.nodes[0].high[1] = 0x0101_0101), Invalid::Outside { .. }));
         assert!(matches!(broken(|tree| tree.triangles.push(at(0.0, 1.0, 0))), Invalid::Leaves { leaves: 0, .. }));
         assert!(matches!(broken(|tree| tree.triangles.truncate(9)), Invalid::OutOfRange { what: "triangle", .. }));
         let mut tree = Bvh8::from_bvh2(&binary);
