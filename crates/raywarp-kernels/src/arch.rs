@@ -45,7 +45,7 @@ pub fn max(a: f32, b: f32) -> f32 {
 ///
 /// # Safety
 /// `from` points to a valid `T` that nothing writes while the kernel runs; `T` is a multiple of 16 bytes in size and
-/// alignment, at most 64 bytes, and any bits are a valid `T`.
+/// alignment, at most 128 bytes, and any bits are a valid `T`.
 #[inline(always)]
 pub unsafe fn load<T: Copy>(from: *const T) -> T {
     const { assert!(core::mem::size_of::<T>().is_multiple_of(16) && core::mem::align_of::<T>().is_multiple_of(16)) };
@@ -242,6 +242,43 @@ impl<'a, const N: usize> Links<'a, N> {
             unsafe { self.room.get_unchecked(self.top).assume_init() }
         }
     }
+}
+
+/// `1 + b / 2^15` for byte `INDEX` of `word`, counted from the lowest: one byte permutation puts it into a mantissa.
+#[inline(always)]
+pub fn fraction_of_byte<const INDEX: u32>(word: u32) -> f32 {
+    const { assert!(INDEX < 4) };
+    #[cfg(target_arch = "nvptx64")]
+    {
+        let bits: u32;
+        // SAFETY: arithmetic on registers. From high to low: two bytes of 1.0, the one asked for, zero.
+        unsafe {
+            core::arch::asm!("prmt.b32 {bits}, {word}, {one}, {select};", bits = out(reg32) bits, word = in(reg32) word,
+                one = in(reg32) ONE, select = const 0x7604 | INDEX << 4, options(pure, nomem, nostack));
+        }
+        f32::from_bits(bits)
+    }
+    #[cfg(not(target_arch = "nvptx64"))]
+    f32::from_bits(ONE | (word >> (8 * INDEX) & 0xff) << 8)
+}
+
+/// The bits of 1.0.
+const ONE: u32 = 0x3f80_0000;
+
+/// Bit `i` of the result says whether `a[i] <= b[i]`.
+#[inline(always)]
+pub fn at_most(a: &[f32; 8], b: &[f32; 8]) -> u32 {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use core::arch::x86_64::{_mm_cmple_ps, _mm_loadu_ps, _mm_movemask_ps};
+        // SAFETY: four items from `first` on are in both arrays; every x86-64 processor has these instructions.
+        let half = |first: usize| unsafe {
+            _mm_movemask_ps(_mm_cmple_ps(_mm_loadu_ps(&a[first]), _mm_loadu_ps(&b[first]))) as u32
+        };
+        half(0) | half(4) << 4
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    (0..8).fold(0, |bits, i| bits | ((a[i] <= b[i]) as u32) << i)
 }
 
 /// Which thread of the launch this is, on the GPU. On the CPU the launch loop supplies it.

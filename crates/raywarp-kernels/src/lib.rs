@@ -16,6 +16,7 @@ pub mod arch;
 pub mod background;
 pub mod camera;
 pub mod film;
+pub mod four;
 pub mod kernels;
 pub mod light;
 pub mod material;

@@ -38,6 +38,31 @@ impl<'a, T: Copy, const N: usize> Stack<'a, T, N> {
     }
 
     #[inline(always)]
+    pub fn len(&self) -> u32 {
+        self.len
+    }
+
+    /// As [`push`](Self::push), then moves the item down, not below place `base`, as long as it is `before` the one below.
+    #[inline(always)]
+    pub fn insert(&mut self, item: T, base: u32, before: impl Fn(&T, &T) -> bool) {
+        if self.len as usize >= N {
+            return;
+        }
+        let mut place = self.len;
+        while place > base {
+            // SAFETY: below the length, which is below `N`: an item is there.
+            let below = unsafe { self.items.get_unchecked(place as usize - 1).assume_init() };
+            if !before(&below, &item) {
+                break;
+            }
+            self.items[place as usize].write(below);
+            place -= 1;
+        }
+        self.items[place as usize].write(item);
+        self.len += 1;
+    }
+
+    #[inline(always)]
     pub fn pop(&mut self) -> Option<T> {
         self.len = self.len.checked_sub(1)?;
         // SAFETY: `push` wrote every item below the former length, which never exceeds `N`.

@@ -38,7 +38,15 @@ impl Across {
         let (ax, ay, az) = (d.x.abs(), d.y.abs(), d.z.abs());
         let along_x = ax >= ay && ax >= az;
         let along_y = !along_x && ay >= az;
-        let select = |x, y, z| if along_x { x } else if along_y { y } else { z };
+        let select = |x, y, z| {
+            if along_x {
+                x
+            } else if along_y {
+                y
+            } else {
+                z
+            }
+        };
         let largest: f32 = select(d.x, d.y, d.z);
         let inverse = if largest.abs() < f32::INFINITY { 1.0 / largest } else { f32::NAN };
         let (a, b) = (-select(d.y, d.z, d.x) * inverse, -select(d.z, d.x, d.y) * inverse);
@@ -48,6 +56,14 @@ impl Across {
             y: vec3(select(b, 1.0, 0.0), select(0.0, b, 1.0), select(1.0, 0.0, b)),
             along: vec3(select(inverse, 0.0, 0.0), select(0.0, inverse, 0.0), select(0.0, 0.0, inverse)),
         }
+    }
+}
+
+impl Across {
+    /// Of a point relative to the ray's origin.
+    #[inline(always)]
+    pub(crate) fn flatten(&self, point: Vec3) -> Flat {
+        Flat { x: point.dot(self.x), y: point.dot(self.y) }
     }
 }
 
@@ -71,7 +87,7 @@ pub struct Triangle {
 
 /// An edge function closer to zero than this may have lost its sign to underflow: below it a product is not rounded
 /// relative to itself.
-const TINY: f32 = f32::MIN_POSITIVE;
+pub(crate) const TINY: f32 = f32::MIN_POSITIVE;
 
 impl Triangle {
     /// From its corners; any floats are legal, a triangle with NaN or without area is never hit.
@@ -88,10 +104,7 @@ impl Triangle {
     pub fn intersect(&self, across: &Across) -> Option<Hit> {
         let origin = across.ray.origin;
         let (p, q, r) = (self.v0 - origin, self.v1 - origin, self.v2 - origin);
-        let project = |v: Vec3| Flat { x: v.dot(across.x), y: v.dot(across.y) };
-        let (a, b, c) = (project(p), project(q), project(r));
-        // A difference of two rounded products is zero or has the sign of the exact one.
-        let edge = |a: Flat, b: Flat| a.x * b.y - a.y * b.x;
+        let (a, b, c) = (across.flatten(p), across.flatten(q), across.flatten(r));
         let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
         // As integers: the smallest, or of negative ones that closest to zero; the largest, or the most negative.
         let (low, high) = (least(least(u, v), w), greatest(greatest(u, v), w));
@@ -100,8 +113,7 @@ impl Triangle {
         }
         let certain = (low > TINY || (low < -TINY && high < 0.0)) && (u + v + w).abs() < f32::INFINITY;
         // Needles need every bit: their edge functions are small beside the products.
-        let [u, v, w] =
-            if certain { [exact_edge(c, b), exact_edge(a, c), exact_edge(b, a)] } else { decide(a, b, c)? };
+        let [u, v, w] = if certain { [exact_edge(c, b), exact_edge(a, c), exact_edge(b, a)] } else { decide(a, b, c)? };
         // Weights first: they are at most 1, whatever the units.
         let inverse = 1.0 / (u + v + w);
         let (u, v, w) = (u * inverse, v * inverse, w * inverse);
@@ -128,9 +140,16 @@ impl Triangle {
 
 /// A corner in the plane across the ray.
 #[derive(Clone, Copy)]
-struct Flat {
+pub(crate) struct Flat {
     x: f32,
     y: f32,
+}
+
+/// Twice the area between the ray and two corners. As the difference of two rounded products it is zero or has the sign
+/// of the exact one.
+#[inline(always)]
+pub(crate) fn edge(a: Flat, b: Flat) -> f32 {
+    a.x * b.y - a.y * b.x
 }
 
 /// The edge functions where one of them is zero, has vanished or has overflowed; none where the ray is outside.

@@ -69,6 +69,13 @@ impl<T: Copy> View<T> {
         // SAFETY: as for `at`; `arch::load` checks the granules when it is compiled.
         unsafe { crate::arch::load(self.address.add(index as usize)) }
     }
+
+    /// As [`load`](Self::load), of a part of the item: what is not asked for is not read.
+    #[inline(always)]
+    pub(crate) fn load_part<P: Copy>(&self, index: u32, part: impl FnOnce(&T) -> &P) -> P {
+        // SAFETY: the part is valid as the item is; `arch::load` checks the granules when it is compiled.
+        unsafe { crate::arch::load(part(self.item(index))) }
+    }
 }
 
 /// Writable array, of which each thread writes only its own items.
@@ -170,6 +177,11 @@ plain!(
     crate::traverse::bvh2::Node,
     crate::traverse::compact::Node,
     crate::traverse::instanced::Instance,
+    crate::traverse::bvh4::Node,
+    crate::traverse::bvh8::Node,
+    crate::traverse::bvh8f::Block,
+    crate::traverse::bvh8f::Node,
+    crate::traverse::bvh8w::Node,
     crate::traverse::kdtree::Node,
     crate::triangle::Triangle,
 );

@@ -128,7 +128,11 @@ impl Structure for Everything<'_> {
                 let [v1, v2] = if instance.flags & MIRRORED != 0 { [t.v2, t.v1] } else { [t.v1, t.v2] };
                 let flags = (t.flags & instance.keep) | (instance.flags & !MIRRORED);
                 let primitive = instance.first_primitive.wrapping_add(t.primitive);
-                if visitor.visit(&raywarp_kernels::triangle::Across::new(&within), &Triangle { v1, v2, primitive, flags, ..*t }) < ray.t_min {
+                if visitor.visit(
+                    &raywarp_kernels::triangle::Across::new(&within),
+                    &Triangle { v1, v2, primitive, flags, ..*t },
+                ) < ray.t_min
+                {
                     return;
                 }
             }

@@ -8,10 +8,10 @@ use common::{ray, scene, Numbers, AIMS, FAMILIES};
 use proptest::prelude::*;
 use raywarp::accel::AccelKind;
 use raywarp::backend::{Device, DeviceChoice};
-use raywarp_kernels::triangle::Across;
 use raywarp::query::{device, QueryError, RayCaster};
 use raywarp::scene::{Instance, Mesh, Scene, Transform};
 use raywarp::{Hit, Ray, Triangle, Vec3, MISS};
+use raywarp_kernels::triangle::Across;
 
 fn cpu() -> Device {
     Device::open(DeviceChoice::Cpu).expect("there always is a CPU")

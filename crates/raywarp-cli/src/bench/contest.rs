@@ -171,7 +171,7 @@ impl<'a> Runner<'a> {
         let kernel = self.batch.kernel_info()?;
         let answers = self.batch.answers()?;
         let (stats, build) = (self.entrant.structure.stats(), self.entrant.build);
-        let triangle_bytes = size_of_val(self.entrant.structure.triangles());
+        let triangle_bytes = size_of_val(&*self.entrant.structure.triangles());
         let row = Row {
             task: task.clone(),
             layout: build.kind,

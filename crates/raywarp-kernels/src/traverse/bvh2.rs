@@ -137,7 +137,13 @@ impl<const OCTANT: u32> Full<OCTANT> {
         let plane = |i: u32| if self.backwards(i) { (high[i], low[i]) } else { (low[i], high[i]) };
         let enter = |i: u32| arch::fma(plane(i).0, self.inverse[i], self.slabs[i as usize].enter);
         let leave = |i: u32| arch::fma(plane(i).1, self.inverse[i], self.slabs[i as usize].leave);
-        super::binary::meeting([enter(0), enter(1), enter(2)], [leave(0), leave(1), leave(2)], t_min, t_far, link.bits())
+        super::binary::meeting(
+            [enter(0), enter(1), enter(2)],
+            [leave(0), leave(1), leave(2)],
+            t_min,
+            t_far,
+            link.bits(),
+        )
     }
 }
 

@@ -106,7 +106,8 @@ impl OnGrid {
     fn meet(&self, child: Corner, t_min: f32, t_far: f32) -> Meeting {
         let number = |i: usize, which| f32::from_bits(arch::permute(child.planes[i], 0x4000_0000, which));
         let enter = |i: usize| arch::fma(number(i, self.near[i]), self.scale[i as u32], self.slabs[i].enter);
-        let leave = |i: usize| arch::fma(number(i, self.near[i] ^ LOW ^ HIGH), self.scale[i as u32], self.slabs[i].leave);
+        let leave =
+            |i: usize| arch::fma(number(i, self.near[i] ^ LOW ^ HIGH), self.scale[i as u32], self.slabs[i].leave);
         meeting([enter(0), enter(1), enter(2)], [leave(0), leave(1), leave(2)], t_min, t_far, child.link.bits())
     }
 }

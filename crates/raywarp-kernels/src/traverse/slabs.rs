@@ -40,17 +40,20 @@ pub fn descend<const N: usize>(
 
 /// A ray made ready for many boxes: each plane costs one fused step.
 pub struct Slabs {
-    inverse: Vec3,
+    /// See [`Ray::inverse_direction`].
+    pub inverse: Vec3,
     /// `-origin * inverse`, rounded towards earlier; for the planes where a box is entered.
-    enter: Vec3,
+    pub enter: Vec3,
     /// The same rounded towards later; for the planes where a box is left.
-    leave: Vec3,
-    negative: [bool; 3],
-    t_min: f32,
+    pub leave: Vec3,
+    /// Whether the ray runs backwards, axis by axis.
+    pub negative: [bool; 3],
+    /// Where the ray begins.
+    pub t_min: f32,
 }
 
 /// A few roundings of single precision, see [`Slabs::enter`].
-const SLACK: f32 = 16.0 / 16_777_216.0;
+pub const SLACK: f32 = 16.0 / 16_777_216.0;
 
 impl Slabs {
     #[inline(always)]

@@ -46,6 +46,19 @@ impl Bounds {
         }
     }
 
+    /// What both have in common, or this where that is nothing.
+    pub fn meet(&self, other: &Self) -> Self {
+        let common = Self {
+            low: [0, 1, 2].map(|i| greater(self.low[i], other.low[i])),
+            high: [0, 1, 2].map(|i| lesser(self.high[i], other.high[i])),
+        };
+        if (0..3).all(|i| common.low[i] <= common.high[i]) {
+            common
+        } else {
+            *self
+        }
+    }
+
     /// Halved before they are added, lest large coordinates overflow.
     #[inline(always)]
     pub fn centre(&self) -> [f32; 3] {

@@ -184,6 +184,6 @@ impl Walk<'_> {
 }
 
 /// Whether this is the triangle of an empty scene, which belongs to no leaf.
-fn is_point(triangle: &Triangle) -> bool {
+pub(super) fn is_point(triangle: &Triangle) -> bool {
     triangle.v0 == triangle.v1 && triangle.v0 == triangle.v2
 }

@@ -42,11 +42,7 @@ impl Compact {
 
     /// For tracing on this machine.
     pub fn view(&self) -> Borrowed<'_, traverse::Compact> {
-        Borrowed::new(traverse::Compact {
-            nodes: lend(&self.nodes),
-            triangles: lend(&self.triangles),
-            grid: self.grid,
-        })
+        Borrowed::new(traverse::Compact { nodes: lend(&self.nodes), triangles: lend(&self.triangles), grid: self.grid })
     }
 
     /// Size and quality.

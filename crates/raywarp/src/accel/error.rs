@@ -135,6 +135,22 @@ pub enum Invalid {
         /// The node that holds the box.
         node: u32,
     },
+    /// Planes on a grid of no size.
+    #[error(
+        "the distance between the planes of node {node} is not a normal positive number, or its origin is not finite"
+    )]
+    Grid {
+        /// The node that holds the grid.
+        node: u32,
+    },
+    /// Of a node that tells by a byte what a slot holds.
+    #[error("slot {slot} of node {node} holds neither a node nor a leaf")]
+    Slot {
+        /// Which node.
+        node: u32,
+        /// From 0.
+        slot: usize,
+    },
     /// A ray could pass the cell and miss the triangle.
     #[error("triangle {triangle} touches the cell of leaf {node}, which does not refer to it")]
     NotReferred {

@@ -18,11 +18,20 @@ pub enum AccelKind {
     /// Both, each for the rays that it suits.
     #[default]
     Bvh,
+    /// Four boxes a node, quantised to eight bits: 64 bytes.
+    Bvh4,
+    /// Eight boxes a node, compressed to 80 bytes.
+    Bvh8,
+    /// Eight boxes a node, quantised to eight bits, with a link each: 128 bytes.
+    Bvh8w,
+    /// Eight boxes a node in full precision, for the vector instructions of a CPU.
+    Bvh8f,
 }
 
 impl AccelKind {
     /// Every kind.
-    pub const ALL: [Self; 5] = [Self::Brute, Self::Kd, Self::Bvh2, Self::Bvh2c, Self::Bvh];
+    pub const ALL: [Self; 9] =
+        [Self::Brute, Self::Kd, Self::Bvh2, Self::Bvh2c, Self::Bvh, Self::Bvh4, Self::Bvh8, Self::Bvh8w, Self::Bvh8f];
 
     /// The name that [`FromStr`] reads.
     pub const fn name(self) -> &'static str {
@@ -32,6 +41,10 @@ impl AccelKind {
             Self::Bvh2 => "bvh2",
             Self::Bvh2c => "bvh2c",
             Self::Bvh => "bvh",
+            Self::Bvh4 => "bvh4",
+            Self::Bvh8 => "bvh8",
+            Self::Bvh8w => "bvh8w",
+            Self::Bvh8f => "bvh8f",
         }
     }
 }
@@ -44,7 +57,7 @@ impl fmt::Display for AccelKind {
 
 /// A name that belongs to no structure.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("'{0}' is no acceleration structure; expected brute, kd, bvh2, bvh2c or bvh")]
+#[error("'{0}' is no acceleration structure; expected brute, kd, bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w or bvh8f")]
 pub struct UnknownKind(pub String);
 
 impl FromStr for AccelKind {

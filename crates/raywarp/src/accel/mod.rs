@@ -1,8 +1,9 @@
 //! Building what finds the triangles along a ray.
 //!
 //! The way of a triangle: [`sift`] drops what can never be hit, [`Accel::build`] picks a builder ([`brute`] keeps the
-//! list, [`kdtree_median`] builds a [`kdtree`], [`bvh2_binned`] a [`bvh2`]), [`Accel::validate`] proves that traversal
-//! will neither miss a triangle nor leave the arrays, [`Accel::stats`] says how good the tree is.
+//! list, [`kdtree_median`] builds a [`kdtree`], [`bvh2_binned`] a [`bvh2`], of which wider trees are made: [`bvh4`],
+//! [`bvh8`], [`bvh8w`], [`bvh8f`]), [`Accel::validate`] proves that traversal will neither miss a triangle nor leave the
+//! arrays, [`Accel::stats`] says how good the tree is.
 //!
 //! Where meshes are placed many times, [`instanced`] keeps each once, with a tree over the placements.
 //!
@@ -14,8 +15,14 @@ mod bounds;
 pub mod brute;
 pub mod bvh2;
 pub mod bvh2_binned;
+pub mod bvh4;
+pub mod bvh8;
+pub mod bvh8f;
+pub mod bvh8w;
+mod collapse;
 pub mod compact;
 mod error;
+mod grid;
 pub mod instanced;
 pub mod kdtree;
 pub mod kdtree_median;
@@ -23,9 +30,13 @@ mod kind;
 pub mod octants;
 mod quality;
 mod resident;
+mod slots;
 mod stats;
 mod triangles;
 mod view;
+mod wide;
+
+use std::borrow::Cow;
 
 use raywarp_kernels::ray::{Hit, Ray};
 use raywarp_kernels::traverse::{closest, occlusion, Counter, Occlusion};
@@ -52,6 +63,14 @@ pub enum Accel {
     Bvh2c(compact::Compact),
     /// Both.
     Bvh(octants::Octants),
+    /// Four boxes a node, quantised.
+    Bvh4(bvh4::Bvh4),
+    /// Eight boxes a node, compressed.
+    Bvh8(bvh8::Bvh8),
+    /// Eight boxes a node, quantised, with a link each.
+    Bvh8w(bvh8w::Bvh8w),
+    /// Eight boxes a node in full precision.
+    Bvh8f(bvh8f::Bvh8f),
 }
 
 impl Accel {
@@ -66,6 +85,10 @@ impl Accel {
             AccelKind::Bvh2 => Self::Bvh2(bvh2_binned::build(triangles)?),
             AccelKind::Bvh2c => Self::Bvh2c(compact::Compact::new(bvh2_binned::build(triangles)?)),
             AccelKind::Bvh => Self::Bvh(octants::Octants::new(bvh2_binned::build(triangles)?)),
+            AccelKind::Bvh4 => Self::Bvh4(bvh4::Bvh4::from_bvh2(&bvh2_binned::build(triangles)?)),
+            AccelKind::Bvh8 => Self::Bvh8(bvh8::Bvh8::from_bvh2(&bvh2_binned::build(triangles)?)),
+            AccelKind::Bvh8w => Self::Bvh8w(bvh8w::Bvh8w::from_bvh2(&bvh2_binned::build(triangles)?)),
+            AccelKind::Bvh8f => Self::Bvh8f(bvh8f::Bvh8f::from_bvh2(&bvh2_binned::build(triangles)?)?),
         })
     }
 
@@ -77,6 +100,10 @@ impl Accel {
             Self::Bvh2(_) => AccelKind::Bvh2,
             Self::Bvh2c(_) => AccelKind::Bvh2c,
             Self::Bvh(_) => AccelKind::Bvh,
+            Self::Bvh4(_) => AccelKind::Bvh4,
+            Self::Bvh8(_) => AccelKind::Bvh8,
+            Self::Bvh8w(_) => AccelKind::Bvh8w,
+            Self::Bvh8f(_) => AccelKind::Bvh8f,
         }
     }
 
@@ -91,6 +118,10 @@ impl Accel {
             Self::Bvh2(tree) => tree.validate(),
             Self::Bvh2c(tree) => tree.validate(),
             Self::Bvh(tree) => tree.validate(),
+            Self::Bvh4(tree) => tree.validate(),
+            Self::Bvh8(tree) => tree.validate(),
+            Self::Bvh8w(tree) => tree.validate(),
+            Self::Bvh8f(tree) => tree.validate(),
         }
     }
 
@@ -102,17 +133,25 @@ impl Accel {
             Self::Bvh2(tree) => tree.stats(),
             Self::Bvh2c(tree) => tree.stats(),
             Self::Bvh(tree) => tree.stats(),
+            Self::Bvh4(tree) => tree.stats(),
+            Self::Bvh8(tree) => tree.stats(),
+            Self::Bvh8w(tree) => tree.stats(),
+            Self::Bvh8f(tree) => tree.stats(),
         }
     }
 
     /// The triangles, in the structure's order. An empty scene may have one here that no ray hits.
-    pub fn triangles(&self) -> &[Triangle] {
+    pub fn triangles(&self) -> Cow<'_, [Triangle]> {
         match self {
-            Self::Brute(list) => list.triangles(),
-            Self::Kd(tree) => tree.triangles(),
-            Self::Bvh2(tree) => tree.triangles(),
-            Self::Bvh2c(tree) => tree.triangles(),
-            Self::Bvh(tree) => tree.triangles(),
+            Self::Brute(list) => list.triangles().into(),
+            Self::Kd(tree) => tree.triangles().into(),
+            Self::Bvh2(tree) => tree.triangles().into(),
+            Self::Bvh2c(tree) => tree.triangles().into(),
+            Self::Bvh(tree) => tree.triangles().into(),
+            Self::Bvh4(tree) => tree.triangles().into(),
+            Self::Bvh8(tree) => tree.triangles().into(),
+            Self::Bvh8w(tree) => tree.triangles().into(),
+            Self::Bvh8f(tree) => tree.triangles().into(),
         }
     }
 
@@ -124,6 +163,10 @@ impl Accel {
             Self::Bvh2(tree) => closest(&tree.view(), ray, previous, counter),
             Self::Bvh2c(tree) => closest(&tree.view(), ray, previous, counter),
             Self::Bvh(tree) => closest(&tree.view(), ray, previous, counter),
+            Self::Bvh4(tree) => closest(&tree.view(), ray, previous, counter),
+            Self::Bvh8(tree) => closest(&tree.view(), ray, previous, counter),
+            Self::Bvh8w(tree) => closest(&tree.view(), ray, previous, counter),
+            Self::Bvh8f(tree) => closest(&tree.view(), ray, previous, counter),
         }
     }
 
@@ -135,6 +178,10 @@ impl Accel {
             Self::Bvh2(tree) => occlusion(&tree.view(), ray, counter),
             Self::Bvh2c(tree) => occlusion(&tree.view(), ray, counter),
             Self::Bvh(tree) => occlusion(&tree.view(), ray, counter),
+            Self::Bvh4(tree) => occlusion(&tree.view(), ray, counter),
+            Self::Bvh8(tree) => occlusion(&tree.view(), ray, counter),
+            Self::Bvh8w(tree) => occlusion(&tree.view(), ray, counter),
+            Self::Bvh8f(tree) => occlusion(&tree.view(), ray, counter),
         }
     }
 }

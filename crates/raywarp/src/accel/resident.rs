@@ -1,7 +1,7 @@
 //! A structure in the memory of a device.
 
 use raywarp_kernels::math::Vec3;
-use raywarp_kernels::traverse::{self, bvh2, compact, kdtree};
+use raywarp_kernels::traverse::{self, bvh2, bvh4, bvh8, bvh8f, bvh8w, compact, kdtree};
 use raywarp_kernels::triangle::Triangle;
 
 use super::instanced::Instanced;
@@ -10,16 +10,48 @@ use crate::backend::{Buffer, Device, DeviceError};
 
 /// What traversal reads, on a device.
 pub(crate) enum Resident {
-    Brute { triangles: Buffer<Triangle> },
-    Kd { nodes: Buffer<kdtree::Node>, references: Buffer<u32>, triangles: Buffer<Triangle>, low: Vec3, high: Vec3 },
-    Bvh2 { nodes: Buffer<bvh2::Node>, triangles: Buffer<Triangle>, reach: Vec3 },
-    Bvh2c { nodes: Buffer<compact::Node>, triangles: Buffer<Triangle>, grid: compact::Grid },
+    Brute {
+        triangles: Buffer<Triangle>,
+    },
+    Kd {
+        nodes: Buffer<kdtree::Node>,
+        references: Buffer<u32>,
+        triangles: Buffer<Triangle>,
+        low: Vec3,
+        high: Vec3,
+    },
+    Bvh2 {
+        nodes: Buffer<bvh2::Node>,
+        triangles: Buffer<Triangle>,
+        reach: Vec3,
+    },
+    Bvh2c {
+        nodes: Buffer<compact::Node>,
+        triangles: Buffer<Triangle>,
+        grid: compact::Grid,
+    },
     Bvh {
         full: Buffer<bvh2::Node>,
         small: Buffer<compact::Node>,
         triangles: Buffer<Triangle>,
         reach: Vec3,
         grid: compact::Grid,
+    },
+    Bvh4 {
+        nodes: Buffer<bvh4::Node>,
+        triangles: Buffer<Triangle>,
+    },
+    Bvh8 {
+        nodes: Buffer<bvh8::Node>,
+        triangles: Buffer<Triangle>,
+    },
+    Bvh8w {
+        nodes: Buffer<bvh8w::Node>,
+        triangles: Buffer<Triangle>,
+    },
+    Bvh8f {
+        nodes: Buffer<bvh8f::Node>,
+        blocks: Buffer<bvh8f::Block>,
     },
 }
 
@@ -64,6 +96,22 @@ macro_rules! with_structure {
                 let $structure = $view;
                 $body
             }
+            $crate::accel::Resident::Bvh4 { nodes, triangles } => {
+                let $structure = raywarp_kernels::traverse::Bvh4 { nodes: nodes.view(), triangles: triangles.view() };
+                $body
+            }
+            $crate::accel::Resident::Bvh8 { nodes, triangles } => {
+                let $structure = raywarp_kernels::traverse::Bvh8 { nodes: nodes.view(), triangles: triangles.view() };
+                $body
+            }
+            $crate::accel::Resident::Bvh8w { nodes, triangles } => {
+                let $structure = raywarp_kernels::traverse::Bvh8w { nodes: nodes.view(), triangles: triangles.view() };
+                $body
+            }
+            $crate::accel::Resident::Bvh8f { nodes, blocks } => {
+                let $structure = raywarp_kernels::traverse::Bvh8f { nodes: nodes.view(), blocks: blocks.view() };
+                $body
+            }
         }
     };
 }
@@ -98,6 +146,18 @@ impl Resident {
                 reach: tree.full.reach(),
                 grid: tree.grid,
             },
+            Accel::Bvh4(tree) => {
+                Self::Bvh4 { nodes: device.upload(&tree.nodes)?, triangles: device.upload(&tree.triangles)? }
+            }
+            Accel::Bvh8(tree) => {
+                Self::Bvh8 { nodes: device.upload(&tree.nodes)?, triangles: device.upload(&tree.triangles)? }
+            }
+            Accel::Bvh8w(tree) => {
+                Self::Bvh8w { nodes: device.upload(&tree.nodes)?, triangles: device.upload(&tree.triangles)? }
+            }
+            Accel::Bvh8f(tree) => {
+                Self::Bvh8f { nodes: device.upload(&tree.nodes)?, blocks: device.upload(&tree.blocks)? }
+            }
         })
     }
 }

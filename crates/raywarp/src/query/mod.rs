@@ -7,7 +7,6 @@
 //! there is one. What a hit is, and which rays have none, is said at [`Ray`]. [`RaySource`] makes the rays that raywarp
 //! and its peers are measured with.
 
-
 mod batch;
 mod cost;
 pub mod device;
@@ -24,8 +23,8 @@ mod workload;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::accel::{sift, Accel, AnyResident, Build, Dropped, Resident, ResidentInstanced, TreeStats};
 use crate::accel::instanced::Instanced;
+use crate::accel::{sift, Accel, AnyResident, Build, Dropped, Resident, ResidentInstanced, TreeStats};
 use crate::backend::Device;
 use crate::render::Flat;
 use crate::scene::Scene;
@@ -92,7 +91,11 @@ pub struct Report {
 impl Report {
     fn of_instanced(tree: &Instanced) -> Self {
         let stats = tree.stats();
-        Self { triangles: stats.seen as usize, tree: TreeStats { bytes: stats.bytes, ..TreeStats::default() }, ..Self::default() }
+        Self {
+            triangles: stats.seen as usize,
+            tree: TreeStats { bytes: stats.bytes, ..TreeStats::default() },
+            ..Self::default()
+        }
     }
 }
 

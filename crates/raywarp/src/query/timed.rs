@@ -113,8 +113,8 @@ impl Answers {
 mod tests {
     use super::*;
     use crate::accel::Accel;
-    use crate::backend::Device;
     use crate::accel::{AccelKind, Build};
+    use crate::backend::Device;
     use crate::backend::DeviceChoice;
     use crate::{Triangle, Vec3};
 
