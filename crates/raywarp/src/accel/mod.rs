@@ -1,24 +1,35 @@
 //! Building what finds the triangles along a ray.
 //!
 //! The way of a triangle: [`sift`] drops what can never be hit, [`Accel::build`] picks a builder ([`brute`] keeps the
-//! list, [`kdtree_median`] builds a [`kdtree`], [`bvh2_binned`] a [`bvh2`]), [`Accel::validate`] proves that traversal
+//! list, [`kdtree_median`] builds a [`kdtree`], [`bvh2_build`] a [`bvh2`]), [`Accel::validate`] proves that traversal
 //! will neither miss a triangle nor leave the arrays, [`Accel::stats`] says how good the tree is.
+//!
+//! A [`bvh2`] of quality goes through a binary tree with one triangle a leaf: built from the top, with spatial splits
+//! where they pay, made better by reinsertion, and collapsed.
 //!
 //! The structures are those of [`raywarp_kernels::traverse`], owned by the host. Traced on the CPU or copied to a
 //! device as they are, they give the same hits: those of brute force.
 
+mod binary;
 mod bins;
 mod bounds;
 pub mod brute;
 pub mod bvh2;
+pub mod bvh2_build;
 pub mod bvh2_binned;
+mod clip;
+mod collapse;
+mod cover;
 mod error;
 pub mod kdtree;
 pub mod kdtree_median;
 mod kind;
 mod quality;
+mod reinsertion;
 mod resident;
+mod spatial;
 mod stats;
+mod topdown;
 mod triangles;
 mod view;
 
@@ -51,10 +62,11 @@ impl Accel {
     /// # Errors
     /// More triangles than an index of the structure can tell apart.
     pub fn build(what: impl Into<Build>, triangles: Vec<Triangle>) -> Result<Self, BuildError> {
-        Ok(match what.into().kind {
+        let Build { kind, quality } = what.into();
+        Ok(match kind {
             AccelKind::Brute => Self::Brute(brute::Brute::new(triangles)?),
             AccelKind::Kd => Self::Kd(kdtree_median::build(triangles)?),
-            AccelKind::Bvh => Self::Bvh(bvh2_binned::build(triangles)?),
+            AccelKind::Bvh => Self::Bvh(bvh2_build::build(triangles, quality)?),
         })
     }
 
@@ -88,7 +100,9 @@ impl Accel {
         }
     }
 
-    /// The triangles, in the structure's order. An empty scene may have one here that no ray hits.
+    /// The triangles, in the structure's order: not a list of the scene's. A hierarchy of boxes of high quality repeats
+    /// those that spatial splits put in several leaves, see [`TreeStats::duplicates`], and an empty scene may have one
+    /// here that no ray hits.
     pub fn triangles(&self) -> &[Triangle] {
         match self {
             Self::Brute(list) => list.triangles(),
