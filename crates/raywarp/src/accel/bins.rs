@@ -1,19 +1,23 @@
 //! Where to cut a range of triangles: the surface area heuristic over bins (Wald 2007).
 
+use rayon::prelude::*;
 use raywarp_kernels::triangle::Triangle;
 
 use super::bounds::Bounds;
 use super::{NODE_COST, TRIANGLE_COST};
 
 /// Most bins an axis.
-const BINS: usize = 32;
+pub(super) const BINS: usize = 32;
 
-/// Bins for a range: near the root a finer cut saves steps for every ray, near the leaves it only costs time.
-fn bins_for(count: usize) -> usize {
+/// Items that one thread looks at before it hands over. Neither counts nor boxes depend on where ranges are cut.
+const CHUNK: usize = 16_384;
+
+/// Bins for a range, of `most`: near the root a finer cut saves steps for every ray, near the leaves it only costs time.
+fn bins_for(count: usize, most: usize) -> usize {
     match count {
-        0..32 => BINS / 4,
-        32..256 => BINS / 2,
-        _ => BINS,
+        0..32 => most.min(8),
+        32..256 => most.min(16),
+        _ => most,
     }
 }
 
@@ -39,6 +43,19 @@ pub(super) struct Split {
     pub bounds: [Bounds; 2],
 }
 
+/// In the order given: only asked where no order is better than another.
+pub(super) fn halve(items: &[Item]) -> Split {
+    let middle = items.len().div_ceil(2);
+    let (left, right) = items.split_at(middle);
+    Split { middle, bounds: [around(left), around(right)] }
+}
+
+/// The box around all.
+pub(super) fn around(items: &[Item]) -> Bounds {
+    let around = |items: &[Item]| items.iter().fold(Bounds::EMPTY, |all, item| all.join(&item.bounds));
+    in_chunks(items, Bounds::EMPTY, around, |a, b| a.join(&b))
+}
+
 /// Which bin a centre belongs to: evenly spaced between the outermost centres of a range.
 #[derive(Clone, Copy)]
 struct Grid {
@@ -48,14 +65,22 @@ struct Grid {
 }
 
 impl Grid {
-    fn around(items: &[Item]) -> Self {
-        let centres = items.iter().fold(Bounds::EMPTY, |all, item| {
-            let centre = item.bounds.centre();
-            all.join(&Bounds { low: centre, high: centre })
-        });
-        let bins = bins_for(items.len());
+    fn around(items: &[Item], bins: usize) -> Self {
+        let centres = in_chunks(items, Bounds::EMPTY, centres, |a, b| a.join(&b));
         let scale = [0, 1, 2].map(|i| bins as f32 / (centres.high[i] - centres.low[i]));
         Self { low: centres.low, scale, bins }
+    }
+
+    fn sort(&self, items: &[Item]) -> Axes {
+        let mut axes = [[Bin::EMPTY; BINS]; 3];
+        for item in items {
+            let centre = item.bounds.centre();
+            for (axis, bins) in axes.iter_mut().enumerate() {
+                let bin = &mut bins[self.bin(centre, axis)];
+                *bin = bin.join(&Bin { bounds: item.bounds, count: 1 });
+            }
+        }
+        axes
     }
 
     /// The conversion brings what rounding, overflow or NaN make of it back into range.
@@ -88,21 +113,39 @@ impl Bin {
 /// The triangles of a range by the position of their centres along each axis.
 pub(super) struct Bins {
     grid: Grid,
-    axes: [[Bin; BINS]; 3],
+    axes: Axes,
+}
+
+/// The bins of all axes.
+type Axes = [[Bin; BINS]; 3];
+
+/// What `one` makes of all items, by several threads where there are many.
+fn in_chunks<T: Copy + Send + Sync>(
+    items: &[Item],
+    empty: T,
+    one: impl Fn(&[Item]) -> T + Send + Sync,
+    join: impl Fn(T, T) -> T + Send + Sync,
+) -> T {
+    if items.len() <= CHUNK {
+        return one(items);
+    }
+    items.par_chunks(CHUNK).map(one).reduce(|| empty, join)
+}
+
+fn centres(items: &[Item]) -> Bounds {
+    items.iter().fold(Bounds::EMPTY, |all, item| {
+        let centre = item.bounds.centre();
+        all.join(&Bounds { low: centre, high: centre })
+    })
 }
 
 impl Bins {
-    pub fn fill(items: &[Item]) -> Self {
-        let grid = Grid::around(items);
-        let mut axes = [[Bin::EMPTY; BINS]; 3];
-        for item in items {
-            let centre = item.bounds.centre();
-            for (axis, bins) in axes.iter_mut().enumerate() {
-                let bin = &mut bins[grid.bin(centre, axis)];
-                *bin = bin.join(&Bin { bounds: item.bounds, count: 1 });
-            }
-        }
-        Self { grid, axes }
+    /// With at most `most` bins an axis, itself at most [`BINS`].
+    pub fn fill(items: &[Item], most: usize) -> Self {
+        let grid = Grid::around(items, bins_for(items.len(), most));
+        let empty = [[Bin::EMPTY; BINS]; 3];
+        let join = |a: Axes, b: Axes| std::array::from_fn(|k| std::array::from_fn(|i| a[k][i].join(&b[k][i])));
+        Self { grid, axes: in_chunks(items, empty, |items| grid.sort(items), join) }
     }
 
     /// The cheapest cut between two bins; none where all centres share a bin on every axis.
@@ -147,6 +190,22 @@ pub(super) struct Cut {
 }
 
 impl Cut {
+    /// Triangles times half the area of their box, of both parts.
+    pub fn children(&self) -> f64 {
+        self.children
+    }
+
+    /// Half the area of what the boxes of both parts share.
+    pub fn overlap(&self) -> f64 {
+        let shared = self.bounds[0].meet(&self.bounds[1]);
+        let is_box = (0..3).all(|i| shared.low[i] <= shared.high[i]);
+        if is_box {
+            shared.half_area()
+        } else {
+            0.0
+        }
+    }
+
     /// Expected cost of a ray that meets the box around both parts.
     pub fn cost(&self) -> f64 {
         NODE_COST + self.children / self.bounds[0].join(&self.bounds[1]).half_area()
@@ -155,20 +214,43 @@ impl Cut {
     /// Reorders the range that the bins were filled from.
     pub fn apply(self, items: &mut [Item]) -> Split {
         let is_left = |item: &Item| self.grid.bin(item.bounds.centre(), self.axis) < self.first;
-        let (mut left, mut right) = (0, items.len());
-        loop {
-            while left < right && is_left(&items[left]) {
-                left += 1;
-            }
-            while left < right && !is_left(&items[right - 1]) {
-                right -= 1;
-            }
-            if left >= right {
-                break;
-            }
-            items.swap(left, right - 1);
-        }
+        let left = partition(items, is_left);
         debug_assert_eq!(left, self.middle);
         Split { middle: left, bounds: self.bounds }
     }
+}
+
+/// Brings the items of which something is true to the front, and gives their number.
+fn partition(items: &mut [Item], is_left: impl Fn(&Item) -> bool + Sync) -> usize {
+    if items.len() > CHUNK {
+        return partition_in_chunks(items, is_left);
+    }
+    let (mut left, mut right) = (0, items.len());
+    loop {
+        while left < right && is_left(&items[left]) {
+            left += 1;
+        }
+        while left < right && !is_left(&items[right - 1]) {
+            right -= 1;
+        }
+        if left >= right {
+            return left;
+        }
+        items.swap(left, right - 1);
+    }
+}
+
+/// The same by several threads: each sorts a chunk out, then all parts are put in a row.
+fn partition_in_chunks(items: &mut [Item], is_left: impl Fn(&Item) -> bool + Sync) -> usize {
+    let chunks = items.par_chunks(CHUNK).map(|chunk| chunk.iter().partition::<Vec<Item>, _>(|item| is_left(item)));
+    let (left, right): (Vec<_>, Vec<_>) = chunks.collect::<Vec<_>>().into_iter().unzip();
+    let mut rest = items;
+    let mut copies = Vec::with_capacity(2 * left.len());
+    for part in left.iter().chain(&right) {
+        let (place, after) = rest.split_at_mut(part.len());
+        copies.push((place, part));
+        rest = after;
+    }
+    copies.into_par_iter().for_each(|(place, part)| place.copy_from_slice(part));
+    left.iter().map(Vec::len).sum()
 }

@@ -4,7 +4,7 @@ use raywarp_kernels::math::Vec3;
 use raywarp_kernels::triangle::Triangle;
 
 /// What a box leaves around a triangle, in units of its extent.
-const MARGIN: f32 = 4.0 / 16_777_216.0;
+pub(super) const MARGIN: f32 = 4.0 / 16_777_216.0;
 
 /// From `low` to `high`, both included.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +30,12 @@ impl Bounds {
     pub fn of(triangle: &Triangle) -> Self {
         let [low, high] =
             [Vec3::min, Vec3::max].map(|pick| pick(pick(triangle.v0, triangle.v1), triangle.v2).to_array());
-        let margin = triangle.extent * MARGIN;
+        Self::padded(low, high, triangle.extent)
+    }
+
+    /// With the margin for a triangle of some extent, all or part of which is between two corners.
+    pub fn padded(low: [f32; 3], high: [f32; 3], extent: f32) -> Self {
+        let margin = extent * MARGIN;
         Self {
             low: low.map(|x| (x - margin).min(x.next_down()).max(-f32::MAX)),
             high: high.map(|x| (x + margin).max(x.next_up()).min(f32::MAX)),
@@ -47,15 +52,20 @@ impl Bounds {
     }
 
     /// What both have in common, or this where that is nothing.
-    pub fn meet(&self, other: &Self) -> Self {
-        let common = Self {
-            low: [0, 1, 2].map(|i| greater(self.low[i], other.low[i])),
-            high: [0, 1, 2].map(|i| lesser(self.high[i], other.high[i])),
-        };
+    pub fn within(&self, other: &Self) -> Self {
+        let common = self.meet(other);
         if (0..3).all(|i| common.low[i] <= common.high[i]) {
             common
         } else {
             *self
+        }
+    }
+
+    /// What both contain; inverted on some axis where that is nothing.
+    pub fn meet(&self, other: &Self) -> Self {
+        Self {
+            low: [0, 1, 2].map(|i| greater(self.low[i], other.low[i])),
+            high: [0, 1, 2].map(|i| lesser(self.high[i], other.high[i])),
         }
     }
 

@@ -1,15 +1,17 @@
 //! A binary hierarchy of boxes, owned by the host.
 
+use rayon::prelude::*;
 use raywarp_kernels::math::Vec3;
 use raywarp_kernels::traverse;
 use raywarp_kernels::traverse::bvh2::{Child, Node, MAX_DEPTH};
 use raywarp_kernels::triangle::Triangle;
 
 use super::bounds::Bounds;
+use super::cover::Parts;
 use super::view::{lend, Borrowed};
 use super::{Invalid, TreeStats};
 
-/// The tree. Parents come before their children.
+/// The tree. Parents come before their children. A triangle may be in several leaves.
 ///
 /// A child that does not exist has an inverted box and, lest a ray of NaN follow it, a link to triangle 0. An empty
 /// scene has one triangle without area for that.
@@ -35,7 +37,8 @@ impl Bvh2 {
         &self.nodes
     }
 
-    /// In the order of the leaves.
+    /// In the order of the leaves, by value: one that spatial splits put in several leaves is here as often. Count
+    /// distinct primitives, or those that the tree was built from.
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
     }
@@ -84,10 +87,18 @@ impl Bvh2 {
                 }
             }
         }
+        stats.duplicates = self.duplicates();
         stats
     }
 
-    /// See [`Accel::validate`](super::Accel::validate).
+    fn duplicates(&self) -> usize {
+        let mut primitives: Vec<u32> = self.triangles.par_iter().map(|triangle| triangle.primitive).collect();
+        primitives.par_sort_unstable();
+        primitives.windows(2).filter(|pair| pair[0] == pair[1]).count()
+    }
+
+    /// See [`Accel::validate`](super::Accel::validate). A triangle may be in several leaves, none with a box for all of
+    /// it, if their boxes cover it together.
     ///
     /// # Errors
     /// The first flaw found.
@@ -95,9 +106,16 @@ impl Bvh2 {
         if self.nodes.is_empty() {
             return Err(Invalid::NoRoot);
         }
-        let mut walk =
-            Walk { tree: self, reached: vec![false; self.nodes.len()], leaves: vec![0; self.triangles.len()] };
-        walk.node(0, 0)?;
+        let triangles = self.triangles.len();
+        let mut walk = Walk {
+            tree: self,
+            reached: vec![false; self.nodes.len()],
+            leaves: vec![0; triangles],
+            whole: vec![false; triangles],
+            parts: Parts::default(),
+        };
+        walk.node(&Way { node: 0, inside: EVERYWHERE, before: None }, 0)?;
+        walk.everything_covered()?;
         walk.everything_reached()
     }
 }
@@ -115,37 +133,63 @@ pub(super) fn child_box(node: &Node, side: usize) -> Bounds {
     Bounds { low: node.low[side].to_array(), high: node.high[side].to_array() }
 }
 
+/// Where nothing is cut off.
+const EVERYWHERE: Bounds = Bounds { low: [-f32::MAX; 3], high: [f32::MAX; 3] };
+
 /// What has been seen of a tree on the way down.
 struct Walk<'a> {
     tree: &'a Bvh2,
     reached: Vec<bool>,
     leaves: Vec<u32>,
+    /// Which triangles are in a leaf with room for all of them.
+    whole: Vec<bool>,
+    /// The others, and their leaves.
+    parts: Parts<'a>,
+}
+
+/// A way down: the last node, what all boxes on it contain, and the node before.
+struct Way<'a> {
+    node: u32,
+    inside: Bounds,
+    before: Option<&'a Way<'a>>,
+}
+
+impl Way<'_> {
+    /// The first node on the way whose box further down does not contain `whole`.
+    fn first_without(&self, whole: &Bounds) -> u32 {
+        match self.before {
+            Some(before) if !self.inside.contains(whole) => before.first_without(whole),
+            _ => self.node,
+        }
+    }
 }
 
 impl Walk<'_> {
-    /// Checks a node with `above` others on the way to it, and gives the box of the triangles below it.
-    fn node(&mut self, index: u32, above: usize) -> Result<Bounds, Invalid> {
+    /// Checks the nodes below one with `above` others on the way to it.
+    fn node(&mut self, way: &Way, above: usize) -> Result<(), Invalid> {
+        let index = way.node;
         if above >= MAX_DEPTH {
             return Err(Invalid::TooDeep { node: index, limit: MAX_DEPTH });
         }
         if std::mem::replace(&mut self.reached[index as usize], true) {
             return Err(Invalid::Reached { node: index });
         }
-        let node = &self.tree.nodes[index as usize];
-        let mut all = Bounds::EMPTY;
+        let tree = self.tree;
+        let node = &tree.nodes[index as usize];
         for side in 0..2 {
             let child = node.children[side];
             self.in_range(index, child)?;
             if !has_child(node, side) {
                 continue;
             }
-            let below = if child.is_leaf() { self.leaf(child) } else { self.node(child.index(), above + 1)? };
-            if !child_box(node, side).contains(&below) {
-                return Err(Invalid::Outside { node: index });
+            let inside = way.inside.meet(&child_box(node, side));
+            if child.is_leaf() {
+                self.leaf(way, child, inside);
+            } else {
+                self.node(&Way { node: child.index(), inside, before: Some(way) }, above + 1)?;
             }
-            all = all.join(&below);
         }
-        Ok(all)
+        Ok(())
     }
 
     /// Of a child that does not exist too: see [`Bvh2`].
@@ -161,10 +205,28 @@ impl Walk<'_> {
         Ok(())
     }
 
-    fn leaf(&mut self, child: Child) -> Bounds {
-        let run = child.index() as usize..(child.index() + child.count()) as usize;
-        self.leaves[run.clone()].iter_mut().for_each(|leaves| *leaves += 1);
-        self.tree.triangles[run].iter().fold(Bounds::EMPTY, |all, triangle| all.join(&Bounds::of(triangle)))
+    fn leaf(&mut self, way: &Way, child: Child, inside: Bounds) {
+        let tree = self.tree;
+        for index in child.index()..child.index() + child.count() {
+            self.leaves[index as usize] += 1;
+            let triangle = &tree.triangles[index as usize];
+            let whole = Bounds::of(triangle);
+            if !inside.contains(&whole) {
+                self.parts.add(triangle, inside, way.first_without(&whole));
+            } else {
+                self.whole[index as usize] = true;
+            }
+        }
+    }
+
+    /// Whether triangles of which no leaf has room for all are covered by several.
+    fn everything_covered(&mut self) -> Result<(), Invalid> {
+        if !self.parts.is_empty() {
+            for (triangle, _) in self.tree.triangles.iter().zip(&self.whole).filter(|(_, &whole)| whole) {
+                self.parts.found_whole(triangle);
+            }
+        }
+        self.parts.uncovered().map_or(Ok(()), |node| Err(Invalid::Outside { node }))
     }
 
     fn everything_reached(&self) -> Result<(), Invalid> {

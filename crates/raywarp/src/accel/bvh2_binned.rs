@@ -1,4 +1,4 @@
-//! Builds a [`Bvh2`] by the surface area heuristic, from the top, with bins (Wald 2007).
+//! Builds a [`Bvh2`] soon: by the surface area heuristic, from the top, with bins (Wald 2007).
 //!
 //! Each range of triangles is split where the bins of their centres say that the expected cost of a ray is least, over
 //! all three axes, until a leaf is cheaper. Where centres coincide or the tree becomes too deep, the range is halved
@@ -12,13 +12,16 @@ use raywarp_kernels::ray::MISS;
 use raywarp_kernels::traverse::bvh2::{Child, Node, MAX_DEPTH, MAX_INDEX, MAX_LEAF};
 use raywarp_kernels::triangle::Triangle;
 
-use super::bins::{Bins, Item, Split};
+use super::bins::{around, halve, Bins, Item, Split};
 use super::bounds::Bounds;
 use super::bvh2::Bvh2;
 use super::{BuildError, TRIANGLE_COST};
 
 /// Most triangles of a leaf. More only pays where the heuristic's costs are wrong.
 const LEAF: usize = 8;
+
+/// Most bins an axis.
+const BINS: usize = 16;
 
 /// Ranges longer than this are built by two threads; shorter ones are not worth the hand-over.
 const PARALLEL: usize = 4096;
@@ -78,7 +81,7 @@ fn shifted(child: Child, offset: u32) -> Child {
 }
 
 /// With boxes, but no children yet.
-fn node(bounds: &[Bounds; 2]) -> Node {
+pub(super) fn node(bounds: &[Bounds; 2]) -> Node {
     let [[low_left, high_left], [low_right, high_right]] = bounds.each_ref().map(Bounds::corners);
     Node { low: [low_left, low_right], high: [high_left, high_right], children: [NOTHING; 2], unused: [0; 2] }
 }
@@ -90,7 +93,7 @@ fn divide(items: &mut [Item], levels: usize) -> Option<Split> {
         return None;
     }
     // The heuristic may split off one triangle at a time: only as long as halving still reaches leaves in time.
-    let best = (halvings(count - 1) < levels).then(|| Bins::fill(items).best()).flatten();
+    let best = (halvings(count - 1) < levels).then(|| Bins::fill(items, BINS).best()).flatten();
     if count <= LEAF {
         let cost = TRIANGLE_COST * count as f64;
         return best.filter(|best| best.cost() < cost).map(|best| best.apply(items));
@@ -106,22 +109,11 @@ fn halvings(count: usize) -> usize {
     count.div_ceil(LEAF).next_power_of_two().trailing_zeros() as usize
 }
 
-/// In the order given: only asked where no order is better than another.
-fn halve(items: &[Item]) -> Split {
-    let middle = items.len().div_ceil(2);
-    let (left, right) = items.split_at(middle);
-    Split { middle, bounds: [around(left), around(right)] }
-}
-
-fn around(items: &[Item]) -> Bounds {
-    items.iter().fold(Bounds::EMPTY, |all, item| all.join(&item.bounds))
-}
-
 /// Where a child that does not exist links to.
-const NOTHING: Child = Child::leaf(0, 1);
+pub(super) const NOTHING: Child = Child::leaf(0, 1);
 
 /// The root of a scene that is one leaf.
-fn alone(leaf: Child, bounds: Bounds) -> Node {
+pub(super) fn alone(leaf: Child, bounds: Bounds) -> Node {
     Node { children: [leaf, NOTHING], ..node(&[bounds, Bounds::EMPTY]) }
 }
 
@@ -194,7 +186,7 @@ mod tests {
         assert_eq!(broken(|tree| tree.nodes[0].children[0] = Child::node(0)), Invalid::Reached { node: 0 });
         assert!(matches!(broken(|tree| tree.nodes[0].children[1] = Child::node(999)), Invalid::OutOfRange { .. }));
         assert!(matches!(broken(|tree| tree.nodes[0].children[1] = Child::leaf(98, 3)), Invalid::OutOfRange { .. }));
-        assert!(matches!(broken(|tree| tree.nodes[0].children[1] = Child::leaf(0, 1)), Invalid::Outside { node: 0 }));
+        assert!(matches!(broken(|tree| tree.nodes[0].children[1] = Child::leaf(0, 1)), Invalid::Unreached { .. }));
         assert_eq!(broken(|tree| tree.nodes[0].high[1].x -= 1.0), Invalid::Outside { node: 0 });
         assert!(matches!(broken(|tree| tree.nodes.push(tree.nodes[0])), Invalid::Unreached { .. }));
         assert!(matches!(broken(|tree| tree.triangles.push(at(0.0, 1.0, 0))), Invalid::Leaves { leaves: 0, .. }));

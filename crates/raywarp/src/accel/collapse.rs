@@ -169,7 +169,10 @@ impl Binary {
         }
         let cell = child_box(node, side);
         let mut references: Vec<Reference> = (child.index()..child.index() + child.count())
-            .map(|triangle| Reference { bounds: Bounds::of(&tree.triangles[triangle as usize]).meet(&cell), triangle })
+            .map(|triangle| Reference {
+                bounds: Bounds::of(&tree.triangles[triangle as usize]).within(&cell),
+                triangle,
+            })
             .collect();
         self.add_references(&mut references);
     }

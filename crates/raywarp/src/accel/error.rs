@@ -129,10 +129,10 @@ pub enum Invalid {
         /// What is wrong with it: the rest of a sentence.
         flaw: &'static str,
     },
-    /// A ray could hit a triangle outside the box and miss it.
-    #[error("a triangle below node {node} sticks out of its box there")]
+    /// A ray could hit a triangle outside the boxes on the way to it, and miss it.
+    #[error("a triangle below node {node} sticks out of its box there, and no other leaf has that part of it")]
     Outside {
-        /// The node that holds the box.
+        /// The first node on the way whose box does not contain the whole triangle.
         node: u32,
     },
     /// Planes on a grid of no size.

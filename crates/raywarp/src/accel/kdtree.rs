@@ -92,6 +92,7 @@ impl KdTree {
                 open.push((node.below(), above + 1, below));
             }
         }
+        stats.duplicates = stats.references.saturating_sub(self.triangles.len());
         stats
     }
 

@@ -1,37 +1,48 @@
 //! Building what finds the triangles along a ray.
 //!
 //! The way of a triangle: [`sift`] drops what can never be hit, [`Accel::build`] picks a builder ([`brute`] keeps the
-//! list, [`kdtree_median`] builds a [`kdtree`], [`bvh2_binned`] a [`bvh2`], of which wider trees are made: [`bvh4`],
+//! list, [`kdtree_median`] builds a [`kdtree`], [`bvh2_build`] a [`bvh2`], of which wider trees are made: [`bvh4`],
 //! [`bvh8`], [`bvh8w`], [`bvh8f`]), [`Accel::validate`] proves that traversal will neither miss a triangle nor leave the
 //! arrays, [`Accel::stats`] says how good the tree is.
 //!
 //! Where meshes are placed many times, [`instanced`] keeps each once, with a tree over the placements.
 //!
+//! A [`bvh2`] of quality goes through a binary tree with one triangle a leaf: built from the top, with spatial splits
+//! where they pay, made better by reinsertion, and collapsed.
+//!
 //! The structures are those of [`raywarp_kernels::traverse`], owned by the host. Traced on the CPU or copied to a
 //! device as they are, they give the same hits: those of brute force.
 
+mod binary;
 mod bins;
 mod bounds;
 pub mod brute;
 pub mod bvh2;
 pub mod bvh2_binned;
+pub mod bvh2_build;
 pub mod bvh4;
 pub mod bvh8;
 pub mod bvh8f;
 pub mod bvh8w;
+mod clip;
 mod collapse;
 pub mod compact;
+mod cover;
 mod error;
 mod grid;
 pub mod instanced;
 pub mod kdtree;
 pub mod kdtree_median;
 mod kind;
+mod leaves;
 pub mod octants;
 mod quality;
+mod reinsertion;
 mod resident;
 mod slots;
+mod spatial;
 mod stats;
+mod topdown;
 mod triangles;
 mod view;
 mod wide;
@@ -79,16 +90,17 @@ impl Accel {
     /// # Errors
     /// More triangles than an index of the structure can tell apart.
     pub fn build(what: impl Into<Build>, triangles: Vec<Triangle>) -> Result<Self, BuildError> {
-        Ok(match what.into().kind {
+        let Build { kind, quality } = what.into();
+        Ok(match kind {
             AccelKind::Brute => Self::Brute(brute::Brute::new(triangles)?),
             AccelKind::Kd => Self::Kd(kdtree_median::build(triangles)?),
-            AccelKind::Bvh2 => Self::Bvh2(bvh2_binned::build(triangles)?),
-            AccelKind::Bvh2c => Self::Bvh2c(compact::Compact::new(bvh2_binned::build(triangles)?)),
-            AccelKind::Bvh => Self::Bvh(octants::Octants::new(bvh2_binned::build(triangles)?)),
-            AccelKind::Bvh4 => Self::Bvh4(bvh4::Bvh4::from_bvh2(&bvh2_binned::build(triangles)?)),
-            AccelKind::Bvh8 => Self::Bvh8(bvh8::Bvh8::from_bvh2(&bvh2_binned::build(triangles)?)),
-            AccelKind::Bvh8w => Self::Bvh8w(bvh8w::Bvh8w::from_bvh2(&bvh2_binned::build(triangles)?)),
-            AccelKind::Bvh8f => Self::Bvh8f(bvh8f::Bvh8f::from_bvh2(&bvh2_binned::build(triangles)?)?),
+            AccelKind::Bvh2 => Self::Bvh2(bvh2_build::build(triangles, quality)?),
+            AccelKind::Bvh2c => Self::Bvh2c(compact::Compact::new(bvh2_build::build(triangles, quality)?)),
+            AccelKind::Bvh => Self::Bvh(octants::Octants::new(bvh2_build::build(triangles, quality)?)),
+            AccelKind::Bvh4 => Self::Bvh4(bvh4::Bvh4::from_bvh2(&bvh2_build::build(triangles, quality)?)),
+            AccelKind::Bvh8 => Self::Bvh8(bvh8::Bvh8::from_bvh2(&bvh2_build::build(triangles, quality)?)),
+            AccelKind::Bvh8w => Self::Bvh8w(bvh8w::Bvh8w::from_bvh2(&bvh2_build::build(triangles, quality)?)),
+            AccelKind::Bvh8f => Self::Bvh8f(bvh8f::Bvh8f::from_bvh2(&bvh2_build::build(triangles, quality)?)?),
         })
     }
 
@@ -140,7 +152,9 @@ impl Accel {
         }
     }
 
-    /// The triangles, in the structure's order. An empty scene may have one here that no ray hits.
+    /// The triangles, in the structure's order: not a list of the scene's. A hierarchy of boxes of high quality repeats
+    /// those that spatial splits put in several leaves, see [`TreeStats::duplicates`], and an empty scene may have one
+    /// here that no ray hits.
     pub fn triangles(&self) -> Cow<'_, [Triangle]> {
         match self {
             Self::Brute(list) => list.triangles().into(),

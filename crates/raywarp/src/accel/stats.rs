@@ -15,6 +15,8 @@ pub struct TreeStats {
     pub leaves: usize,
     /// Triangles of all leaves, each as often as it is there.
     pub references: usize,
+    /// Of those, the ones beyond the first of their primitive: what cells and spatial splits add.
+    pub duplicates: usize,
     /// Inner nodes on the longest way from the root to a leaf: what traversal's stack must hold.
     pub depth: usize,
     /// Most triangles in a leaf.

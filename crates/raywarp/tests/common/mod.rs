@@ -2,7 +2,7 @@
 
 #![allow(dead_code)] // Each test uses its share.
 
-use raywarp::accel::{Accel, AccelKind};
+use raywarp::accel::{Accel, AccelKind, Build, Quality};
 use raywarp_kernels::math::{vec3, Vec3};
 use raywarp_kernels::ray::Ray;
 use raywarp_kernels::triangle::Triangle;
@@ -152,8 +152,9 @@ fn nonsense(origin: Vec3, n: &mut Numbers) -> Ray {
     }
 }
 
-/// Every structure of the same triangles, brute force first.
+/// Every structure of the same triangles, brute force first, and the hierarchy of boxes in every quality.
 pub fn every_structure(triangles: &[Triangle]) -> Vec<Accel> {
-    let build = |kind| Accel::build(kind, triangles.to_vec()).expect("few triangles");
-    AccelKind::ALL.map(build).into()
+    let hierarchy = Quality::ALL.map(|quality| Build { kind: AccelKind::Bvh, quality });
+    let kinds = [AccelKind::Brute.into(), AccelKind::Kd.into()].into_iter().chain(hierarchy);
+    kinds.map(|what: Build| Accel::build(what, triangles.to_vec()).expect("few triangles")).collect()
 }
