@@ -60,7 +60,7 @@ pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
     let scene = &loaded.scene;
     let cpu = Device::open(DeviceChoice::Cpu)?;
     let report = |accel| Tracer::new(scene, accel, &cpu).map(|tracer| tracer.report().clone());
-    let (brute, kd, bvh) = (report(AccelKind::Brute)?, report(AccelKind::Kd)?, report(AccelKind::Bvh)?);
+    let (brute, kd, bvh) = (report(AccelKind::Brute)?, report(AccelKind::Kd)?, report(AccelKind::Bvh2)?);
     let info = Info {
         scene: SceneCounts::new(scene, &bvh),
         materials: scene.materials.iter().map(MaterialInfo::from).collect(),
@@ -71,7 +71,7 @@ pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
         trees: vec![
             TreeInfo::new(AccelKind::Brute, &brute),
             TreeInfo::new(AccelKind::Kd, &kd),
-            TreeInfo::new(AccelKind::Bvh, &bvh),
+            TreeInfo::new(AccelKind::Bvh2, &bvh),
         ],
         warnings: loaded.warnings.iter().map(ToString::to_string).collect(),
         notes: bvh.notes,

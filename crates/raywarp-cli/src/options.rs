@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use raywarp::accel::AccelKind;
-use raywarp::backend::DeviceChoice;
+use raywarp::accel::{AccelKind, Build, Quality};
+use raywarp::backend::{Device, DeviceChoice};
 use raywarp::image::{Layer, ToneMap};
 use raywarp::query::files::{Format, Mode};
 use raywarp::render::{MAX_DEPTH, MAX_SPP};
@@ -158,9 +158,13 @@ pub struct RenderOptions {
     /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
     #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
     pub device: DeviceChoice,
-    /// How to find hits: brute (every triangle), kd (the paper's k-d tree), bvh
-    #[arg(long, value_name = "KIND", default_value = "bvh", help_heading = "Machine")]
-    pub accel: AccelKind,
+    /// How to find hits: brute (every triangle), kd (the paper's k-d tree), or a hierarchy of boxes: bvh2, bvh2c, bvh,
+    /// bvh4, bvh8, bvh8w, bvh8f; none: the fastest on the device
+    #[arg(long, value_name = "KIND", help_heading = "Machine")]
+    pub accel: Option<AccelKind>,
+    /// How good a hierarchy of boxes should be: fast (to build), medium, high (to trace)
+    #[arg(long, value_name = "QUALITY", default_value = "medium", help_heading = "Machine")]
+    pub tree: Quality,
     /// Threads of the CPU; none: all
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Machine")]
     pub threads: Option<u32>,
@@ -217,9 +221,13 @@ pub struct QueryOptions {
     /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
     #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
     pub device: DeviceChoice,
-    /// How to find hits: brute (every triangle), kd (the paper's k-d tree), bvh
-    #[arg(long, value_name = "KIND", default_value = "bvh", help_heading = "Machine")]
-    pub accel: AccelKind,
+    /// How to find hits: brute (every triangle), kd (the paper's k-d tree), or a hierarchy of boxes: bvh2, bvh2c, bvh,
+    /// bvh4, bvh8, bvh8w, bvh8f; none: the fastest on the device
+    #[arg(long, value_name = "KIND", help_heading = "Machine")]
+    pub accel: Option<AccelKind>,
+    /// How good a hierarchy of boxes should be: fast (to build), medium, high (to trace)
+    #[arg(long, value_name = "QUALITY", default_value = "medium", help_heading = "Machine")]
+    pub tree: Quality,
     /// Threads of the CPU; none: all
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Machine")]
     pub threads: Option<u32>,
@@ -262,6 +270,11 @@ pub struct ManOptions {
     pub directory: Option<PathBuf>,
 }
 
+/// What to build on a device for the options `--accel` and `--tree`.
+pub fn build(accel: Option<AccelKind>, quality: Quality, device: &Device) -> Build {
+    Build { kind: accel.unwrap_or_else(|| AccelKind::fastest_on(device)), quality }
+}
+
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;
@@ -276,6 +289,6 @@ mod tests {
         let (options, library) = (super::RenderOptions::built_in(), raywarp::render::RenderOptions::default());
         assert_eq!((options.size, options.spp, options.max_depth), (library.size, library.spp, library.max_depth));
         assert_eq!((options.seed, !options.no_shadows), (library.seed, library.shadows));
-        assert_eq!(options.accel, raywarp::accel::AccelKind::default());
+        assert_eq!((options.accel, options.tree), (None, raywarp::accel::Quality::default()));
     }
 }

@@ -12,7 +12,7 @@ use raywarp::write;
 use serde::Serialize;
 
 use crate::interrupt::Interrupt;
-use crate::options::QueryOptions;
+use crate::options::{build, QueryOptions};
 use crate::progress::{Bar, Words};
 use crate::render::{limit_threads, read, refuse_dropped};
 use crate::say;
@@ -31,7 +31,8 @@ pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
     let loaded = read(options.scene.as_deref(), options.strict)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let device = Device::open(options.device)?;
-    let caster = RayCaster::from_scene(&loaded.scene, options.accel, &device)?;
+    let what = build(options.accel, options.tree, &device);
+    let caster = RayCaster::from_scene(&loaded.scene, what, &device)?;
     refuse_dropped(options.strict, &caster.report().dropped)?;
     if !options.quiet {
         say::warnings(&loaded.warnings);
@@ -47,7 +48,7 @@ pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
     let query_seconds = asking.elapsed().as_secs_f64();
     let report = Report {
         device: device.description(),
-        accel: options.accel.to_string(),
+        accel: what.kind.to_string(),
         mode: options.mode.to_string(),
         triangles: caster.report().triangles as u64,
         rays: answers.rays(),

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Context;
-use raywarp::accel::Dropped;
+use raywarp::accel::{Build, Dropped};
 use raywarp::backend::Device;
 use raywarp::image::{Development, Layers};
 use raywarp::render::{self, Rendering, Tracer};
@@ -12,7 +12,7 @@ use raywarp::scene::{load, Camera, LoadOptions, Loaded};
 
 use crate::interrupt::Interrupt;
 use crate::limits;
-use crate::options::{RenderOptions, StatsForm};
+use crate::options::{build, RenderOptions, StatsForm};
 use crate::output::{Plan, Results};
 use crate::progress::{Bar, Words};
 use crate::report::{SceneCounts, Seconds, Statistics, TestCounts};
@@ -32,12 +32,13 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let load_seconds = start.elapsed().as_secs_f64();
     let chosen = options.camera.as_deref().map(|name| viewpoint::named(&loaded.scene.cameras, name)).transpose()?;
     let device = Device::open(options.device)?;
-    let tracer = Tracer::new(&loaded.scene, options.accel, &device)?;
+    let what = build(options.accel, options.tree, &device);
+    let tracer = Tracer::new(&loaded.scene, what, &device)?;
     refuse_dropped(options.strict, &tracer.report().dropped)?;
     say_notes(options, &loaded, &device, &tracer);
     let camera = viewpoint::adjusted(chosen.unwrap_or(tracer.default_camera()).clone(), &options.into());
 
-    let shot = Shot { options, plan: &plan, tracer: &tracer, camera: &camera };
+    let shot = Shot { options, what, plan: &plan, tracer: &tracer, camera: &camera };
     let taken = shot.take()?;
     let saving = Instant::now();
     let results = Results {
@@ -65,7 +66,7 @@ fn statistics(shot: &Shot, device: &Device, loaded: &Loaded, taken: &Taken) -> S
     let (report, rendering) = (shot.tracer.report(), &taken.rendering);
     Statistics {
         device: device.description(),
-        accel: shot.options.accel.to_string(),
+        accel: shot.what.kind.to_string(),
         size: [rendering.picture.width, rendering.picture.height],
         spp: shot.options.spp,
         scene: SceneCounts::new(&loaded.scene, report),
@@ -126,6 +127,7 @@ fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: 
 
 /// One picture to be taken.
 struct Shot<'a> {
+    what: Build,
     options: &'a RenderOptions,
     plan: &'a Plan,
     tracer: &'a Tracer,

@@ -23,9 +23,6 @@ const PAPER_SECONDS: f64 = 165.0;
 /// Repeats, if the options do not say.
 const REPEATS: u32 = 9;
 
-/// Structures, if the options do not say.
-const STRUCTURES: [AccelKind; 3] = [AccelKind::Brute, AccelKind::Kd, AccelKind::Bvh];
-
 /// A whole run.
 #[derive(Debug, Serialize)]
 struct Bench {
@@ -55,7 +52,8 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
     let loaded = read(options.scenes.first().map(PathBuf::as_path), false)?;
     let device = Device::open(options.device)?;
     let mut bench = Bench::new(options, &device);
-    for &accel in if options.layout.is_empty() { &STRUCTURES } else { &options.layout[..] } {
+    let structures = [AccelKind::Brute, AccelKind::Kd, AccelKind::fastest_on(&device)];
+    for &accel in if options.layout.is_empty() { &structures } else { &options.layout[..] } {
         bench.measure(&loaded.scene, accel, &device, options)?;
     }
     let text = if options.json { serde_json::to_string_pretty(&bench)? + "\n" } else { bench.table() };

@@ -36,7 +36,7 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
     let folder = tempfile::tempdir().context("cannot make a folder for temporary files")?;
     let mut contest = Contest {
         options,
-        builds: builds(options),
+        builds: builds(options, &device),
         kinds: if options.rays.is_empty() { RayKind::ALL.to_vec() } else { options.rays.clone() },
         device: &device,
         peers: Vec::new(),
@@ -56,8 +56,8 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
 }
 
 /// Every structure with every quality that it has.
-fn builds(options: &BenchOptions) -> Vec<Build> {
-    let layouts = if options.layout.is_empty() { &[AccelKind::default()] } else { &options.layout[..] };
+fn builds(options: &BenchOptions, device: &Device) -> Vec<Build> {
+    let layouts = if options.layout.is_empty() { &[AccelKind::fastest_on(device)] } else { &options.layout[..] };
     let qualities = |kind: &AccelKind| match kind {
         AccelKind::Brute | AccelKind::Kd => vec![Quality::default()],
         _ => options.tree.clone(),

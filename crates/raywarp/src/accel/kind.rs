@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::backend::Device;
+
 /// Which structure finds the triangles along a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -32,6 +34,16 @@ impl AccelKind {
     /// Every kind.
     pub const ALL: [Self; 9] =
         [Self::Brute, Self::Kd, Self::Bvh2, Self::Bvh2c, Self::Bvh, Self::Bvh4, Self::Bvh8, Self::Bvh8w, Self::Bvh8f];
+
+    /// The fastest on a device, as measured on an H200 and on x86-64: `docs/bench`. On a GPU the tree in two layouts, from
+    /// which each warp takes what suits its rays; on a CPU the one whose boxes fill a vector.
+    pub fn fastest_on(device: &Device) -> Self {
+        if device.is_cuda() {
+            Self::Bvh
+        } else {
+            Self::Bvh8f
+        }
+    }
 
     /// The name that [`FromStr`] reads.
     pub const fn name(self) -> &'static str {

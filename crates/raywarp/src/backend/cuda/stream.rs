@@ -11,7 +11,7 @@ use super::{driver_error, Cuda, DeviceError};
 const BLOCK: [u32; 2] = [8, 16];
 
 /// Threads of a block of a launch with a single row.
-const BLOCK_ROW: [u32; 2] = [128, 1];
+const BLOCK_ROW: [u32; 2] = [64, 1];
 
 /// A kernel's parameter block, passed by value.
 #[repr(transparent)]
