@@ -2,7 +2,7 @@
 //!
 //! A file is named after a hash of the triangles, the structure, its quality and the version of the builders, and holds
 //! the nodes and the order of the triangles; the triangles themselves are always the caller's. What a file says is
-//! believed only after its lengths fit its size, its checksum fits its content and [`Bvh2::validate`] has proved that no
+//! believed only after its lengths fit its size, its checksum fits its content and its validation has proved that no
 //! link leaves the arrays and no ray can miss a triangle: a file that is cut short, damaged or even forged costs a build
 //! and nothing else. It is then written anew.
 //!
