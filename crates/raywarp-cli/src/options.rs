@@ -165,6 +165,9 @@ pub struct RenderOptions {
     /// How good a hierarchy of boxes should be: fast (to build), medium, high (to trace)
     #[arg(long, value_name = "QUALITY", default_value = "medium", help_heading = "Machine")]
     pub tree: Quality,
+    /// Build the tree anew instead of looking for it in the user's cache, or in the folder of RAYWARP_CACHE
+    #[arg(long, help_heading = "Machine")]
+    pub no_cache: bool,
     /// Threads of the CPU; none: all
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Machine")]
     pub threads: Option<u32>,
@@ -228,6 +231,9 @@ pub struct QueryOptions {
     /// How good a hierarchy of boxes should be: fast (to build), medium, high (to trace)
     #[arg(long, value_name = "QUALITY", default_value = "medium", help_heading = "Machine")]
     pub tree: Quality,
+    /// Build the tree anew instead of looking for it in the user's cache, or in the folder of RAYWARP_CACHE
+    #[arg(long, help_heading = "Machine")]
+    pub no_cache: bool,
     /// Threads of the CPU; none: all
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Machine")]
     pub threads: Option<u32>,
@@ -270,9 +276,9 @@ pub struct ManOptions {
     pub directory: Option<PathBuf>,
 }
 
-/// What to build on a device for the options `--accel` and `--tree`.
-pub fn build(accel: Option<AccelKind>, quality: Quality, device: &Device) -> Build {
-    Build { kind: accel.unwrap_or_else(|| AccelKind::fastest_on(device)), quality }
+/// What to build on a device for the options `--accel`, `--tree` and `--no-cache`.
+pub fn build(accel: Option<AccelKind>, quality: Quality, no_cache: bool, device: &Device) -> Build {
+    Build { kind: accel.unwrap_or_else(|| AccelKind::fastest_on(device)), quality, cached: !no_cache }
 }
 
 #[cfg(test)]

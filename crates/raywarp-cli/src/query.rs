@@ -31,13 +31,16 @@ pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
     let loaded = read(options.scene.as_deref(), options.strict)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let device = Device::open(options.device)?;
-    let what = build(options.accel, options.tree, &device);
+    let what = build(options.accel, options.tree, options.no_cache, &device);
     let caster = RayCaster::from_scene(&loaded.scene, what, &device)?;
     refuse_dropped(options.strict, &caster.report().dropped)?;
     if !options.quiet {
         say::warnings(&loaded.warnings);
         say::dropped(&caster.report().dropped);
         say::fallback(&device);
+        if let Some(warning) = &caster.report().warning {
+            say::line(&format!("warning: {warning}"));
+        }
         if rays.is_rounded() {
             say::line("note: the rays are float64, and rounded to float32");
         }

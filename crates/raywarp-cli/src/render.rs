@@ -32,7 +32,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let load_seconds = start.elapsed().as_secs_f64();
     let chosen = options.camera.as_deref().map(|name| viewpoint::named(&loaded.scene.cameras, name)).transpose()?;
     let device = Device::open(options.device)?;
-    let what = build(options.accel, options.tree, &device);
+    let what = build(options.accel, options.tree, options.no_cache, &device);
     let tracer = Tracer::new(&loaded.scene, what, &device)?;
     refuse_dropped(options.strict, &tracer.report().dropped)?;
     say_notes(options, &loaded, &device, &tracer);

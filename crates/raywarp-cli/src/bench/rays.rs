@@ -62,7 +62,8 @@ fn builds(options: &BenchOptions, device: &Device) -> Vec<Build> {
         AccelKind::Brute | AccelKind::Kd => vec![Quality::default()],
         _ => options.tree.clone(),
     };
-    let builds = |&kind: &AccelKind| qualities(&kind).into_iter().map(move |quality| Build { kind, quality });
+    let builds =
+        |&kind: &AccelKind| qualities(&kind).into_iter().map(move |quality| Build { kind, quality, cached: false });
     layouts.iter().flat_map(builds).collect()
 }
 

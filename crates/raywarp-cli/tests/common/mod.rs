@@ -30,6 +30,8 @@ impl Place {
 
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_raywarp"));
+        // The trees of tests are nobody's to keep.
+        command.env("RAYWARP_CACHE", "");
         command.args(arguments).current_dir(self.0.path()).env("COLUMNS", "100").env_remove("RUST_BACKTRACE");
         command
     }

@@ -7,17 +7,17 @@ use super::bounds::Bounds;
 use super::{NODE_COST, TRIANGLE_COST};
 
 /// Most bins an axis.
-pub(super) const BINS: usize = 32;
+const BINS: usize = 32;
 
 /// Items that one thread looks at before it hands over. Neither counts nor boxes depend on where ranges are cut.
 const CHUNK: usize = 16_384;
 
-/// Bins for a range, of `most`: near the root a finer cut saves steps for every ray, near the leaves it only costs time.
-fn bins_for(count: usize, most: usize) -> usize {
+/// Bins for a range: near the root a finer cut saves steps for every ray, near the leaves it only costs time.
+fn bins_for(count: usize) -> usize {
     match count {
-        0..32 => most.min(8),
-        32..256 => most.min(16),
-        _ => most,
+        0..32 => BINS / 4,
+        32..256 => BINS / 2,
+        _ => BINS,
     }
 }
 
@@ -65,7 +65,8 @@ struct Grid {
 }
 
 impl Grid {
-    fn around(items: &[Item], bins: usize) -> Self {
+    fn around(items: &[Item]) -> Self {
+        let bins = bins_for(items.len());
         let centres = in_chunks(items, Bounds::EMPTY, centres, |a, b| a.join(&b));
         let scale = [0, 1, 2].map(|i| bins as f32 / (centres.high[i] - centres.low[i]));
         Self { low: centres.low, scale, bins }
@@ -140,9 +141,8 @@ fn centres(items: &[Item]) -> Bounds {
 }
 
 impl Bins {
-    /// With at most `most` bins an axis, itself at most [`BINS`].
-    pub fn fill(items: &[Item], most: usize) -> Self {
-        let grid = Grid::around(items, bins_for(items.len(), most));
+    pub fn fill(items: &[Item]) -> Self {
+        let grid = Grid::around(items);
         let empty = [[Bin::EMPTY; BINS]; 3];
         let join = |a: Axes, b: Axes| std::array::from_fn(|k| std::array::from_fn(|i| a[k][i].join(&b[k][i])));
         Self { grid, axes: in_chunks(items, empty, |items| grid.sort(items), join) }

@@ -179,8 +179,10 @@ impl Walk<'_> {
         for side in 0..2 {
             let child = node.children[side];
             self.in_range(index, child)?;
-            if !has_child(node, side) {
-                continue;
+            match (has_child(node, side), child.is_leaf()) {
+                (false, true) => continue,
+                (false, false) => return Err(Invalid::NoBox { node: index }),
+                (true, _) => {}
             }
             let inside = way.inside.meet(&child_box(node, side));
             if child.is_leaf() {

@@ -20,9 +20,6 @@ use super::{BuildError, TRIANGLE_COST};
 /// Most triangles of a leaf. More only pays where the heuristic's costs are wrong.
 const LEAF: usize = 8;
 
-/// Most bins an axis.
-const BINS: usize = 16;
-
 /// Ranges longer than this are built by two threads; shorter ones are not worth the hand-over.
 const PARALLEL: usize = 4096;
 
@@ -33,6 +30,11 @@ const _: () = assert!(LEAF <= MAX_LEAF as usize);
 /// # Errors
 /// More than [`MAX_INDEX`] triangles.
 pub fn build(triangles: Vec<Triangle>) -> Result<Bvh2, BuildError> {
+    build_ordered(&triangles).map(|(tree, _)| tree)
+}
+
+/// Also gives which triangle each of the tree's is, as an index into those given; of an empty scene nothing.
+pub(super) fn build_ordered(triangles: &[Triangle]) -> Result<(Bvh2, Vec<u32>), BuildError> {
     let start = Instant::now();
     BuildError::check(triangles.len(), MAX_INDEX)?;
     let mut items: Vec<Item> = triangles.par_iter().enumerate().map(|(i, t)| Item::new(i as u32, t)).collect();
@@ -40,10 +42,16 @@ pub fn build(triangles: Vec<Triangle>) -> Result<Bvh2, BuildError> {
     match grow(&mut items, 0, MAX_DEPTH, &mut nodes) {
         Some(root) if root.is_leaf() => nodes.push(alone(root, around(&items))),
         Some(_) => {}
-        None => return Ok(empty(start)),
+        None => return Ok((empty(start), Vec::new())),
     }
-    let triangles = items.par_iter().map(|item| triangles[item.index as usize]).collect();
-    Ok(Bvh2 { nodes, triangles, build_seconds: start.elapsed().as_secs_f64() })
+    let order: Vec<u32> = items.par_iter().map(|item| item.index).collect();
+    Ok((assemble(nodes, &order, triangles, start), order))
+}
+
+/// The tree of nodes whose leaves are runs of `order`.
+pub(super) fn assemble(nodes: Vec<Node>, order: &[u32], triangles: &[Triangle], start: Instant) -> Bvh2 {
+    let triangles = order.par_iter().map(|&index| triangles[index as usize]).collect();
+    Bvh2 { nodes, triangles, build_seconds: start.elapsed().as_secs_f64() }
 }
 
 /// Adds the tree of a range that starts at triangle `first`, with at most `levels` inner nodes on the way to a leaf.
@@ -93,7 +101,7 @@ fn divide(items: &mut [Item], levels: usize) -> Option<Split> {
         return None;
     }
     // The heuristic may split off one triangle at a time: only as long as halving still reaches leaves in time.
-    let best = (halvings(count - 1) < levels).then(|| Bins::fill(items, BINS).best()).flatten();
+    let best = (halvings(count - 1) < levels).then(|| Bins::fill(items).best()).flatten();
     if count <= LEAF {
         let cost = TRIANGLE_COST * count as f64;
         return best.filter(|best| best.cost() < cost).map(|best| best.apply(items));
@@ -187,6 +195,7 @@ mod tests {
         assert!(matches!(broken(|tree| tree.nodes[0].children[1] = Child::node(999)), Invalid::OutOfRange { .. }));
         assert!(matches!(broken(|tree| tree.nodes[0].children[1] = Child::leaf(98, 3)), Invalid::OutOfRange { .. }));
         assert!(matches!(broken(|tree| tree.nodes[0].children[1] = Child::leaf(0, 1)), Invalid::Unreached { .. }));
+        assert_eq!(broken(|tree| tree.nodes[0].low[1].x = f32::NAN), Invalid::NoBox { node: 0 });
         assert_eq!(broken(|tree| tree.nodes[0].high[1].x -= 1.0), Invalid::Outside { node: 0 });
         assert!(matches!(broken(|tree| tree.nodes.push(tree.nodes[0])), Invalid::Unreached { .. }));
         assert!(matches!(broken(|tree| tree.triangles.push(at(0.0, 1.0, 0))), Invalid::Leaves { leaves: 0, .. }));

@@ -36,20 +36,27 @@ const HIGH: Recipe = Recipe { copies: 0.5, shares: &[1.0; 12], least: 0.002 };
 /// # Errors
 /// More than [`MAX_INDEX`] triangles, or references where space is split.
 pub fn build(triangles: Vec<Triangle>, quality: Quality) -> Result<Bvh2, BuildError> {
+    build_ordered(&triangles, quality).map(|(tree, _)| tree)
+}
+
+/// Also gives which triangle each of the tree's is, as an index into those given; of an empty scene nothing.
+pub(super) fn build_ordered(triangles: &[Triangle], quality: Quality) -> Result<(Bvh2, Vec<u32>), BuildError> {
     let recipe = match quality {
         Quality::Medium => MEDIUM,
         Quality::High => HIGH,
-        Quality::Fast => return bvh2_binned::build(triangles),
+        Quality::Fast => return bvh2_binned::build_ordered(triangles),
     };
     let start = Instant::now();
     if triangles.is_empty() {
-        return bvh2_binned::build(triangles);
+        return bvh2_binned::build_ordered(triangles);
     }
     let most = triangles.len() + (triangles.len() as f64 * recipe.copies) as usize;
     BuildError::check(most, MAX_INDEX)?;
-    let mut tree = topdown::build(&triangles, recipe.copies);
+    let mut tree = topdown::build(triangles, recipe.copies);
     reinsertion::optimise(&mut tree, recipe.shares, recipe.least);
-    Ok(leaves::collapse(&tree, &triangles, start))
+    let (nodes, order) = leaves::collapse(&tree, triangles.len());
+    drop(tree);
+    Ok((bvh2_binned::assemble(nodes, &order, triangles, start), order))
 }
 
 #[cfg(test)]
@@ -68,7 +75,7 @@ mod tests {
     fn diagonals(count: u32) -> Vec<Triangle> {
         let triangle = |i: u32| {
             let (a, b) = ((i as f32 * 0.618).fract() * 10.0, (i as f32 * 0.414).fract() * 10.0);
-            let length = if i % 10 == 0 { 10.0 } else { 0.1 };
+            let length = [10.0, 0.1][(i % 10).min(1) as usize];
             Triangle::new(vec3(a, b, 0.0), vec3(a + length, b + length, length), vec3(a, b + 0.1, 0.1), i, 0)
         };
         (0..count).map(triangle).collect()

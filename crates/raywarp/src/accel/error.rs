@@ -87,6 +87,14 @@ pub enum Invalid {
         /// Which.
         node: u32,
     },
+    /// A ray whose distances overflow would follow the link, and maybe for ever.
+    #[error(
+        "node {node} links to another node without a box around it; a child that is not there links to a triangle"
+    )]
+    NoBox {
+        /// Where the link is.
+        node: u32,
+    },
     /// Memory that traversal never sees.
     #[error("only {reached} of {count} nodes are reached from the root")]
     Unreached {

@@ -1,17 +1,14 @@
 //! From a binary [`Tree`] with one triangle a leaf to a [`Bvh2`]: subtrees become leaves where that costs less, the tree
 //! is brought within traversal's stack, and nodes and triangles get their order in memory.
 //!
+//! [`Bvh2`]: super::bvh2::Bvh2
+//!
 //! The larger child follows its parent directly: more rays go there next than to the other.
 
-use std::time::Instant;
-
-use rayon::prelude::*;
 use raywarp_kernels::traverse::bvh2::{Child, Node, MAX_DEPTH, MAX_LEAF};
-use raywarp_kernels::triangle::Triangle;
 
 use super::binary::{Tree, ROOT};
 use super::bounds::Bounds;
-use super::bvh2::Bvh2;
 use super::bvh2_binned::{alone, node};
 use super::NODE_COST;
 
@@ -35,16 +32,16 @@ const MOST: u32 = 8;
 
 const _: () = assert!(MOST <= MAX_LEAF);
 
-/// The tree of at least one triangle.
-pub(super) fn collapse(tree: &Tree, triangles: &[Triangle], start: Instant) -> Bvh2 {
+/// The nodes of a [`Bvh2`], and the triangles in the order of its leaves. About `count` of those are to be expected.
+pub(super) fn collapse(tree: &Tree, count: usize) -> (Vec<Node>, Vec<u32>) {
     let below = weigh(tree);
-    let mut out = Emission { tree, below, nodes: Vec::new(), order: Vec::with_capacity(triangles.len()) };
+    let nodes = Vec::with_capacity(count / 2);
+    let mut out = Emission { tree, below, nodes, order: Vec::with_capacity(count) };
     let root = out.child(ROOT, MAX_DEPTH);
     if root.is_leaf() {
         out.nodes.push(alone(root, tree.at(ROOT).bounds));
     }
-    let triangles = out.order.par_iter().map(|&index| triangles[index as usize]).collect();
-    Bvh2 { nodes: out.nodes, triangles, build_seconds: start.elapsed().as_secs_f64() }
+    (out.nodes, out.order)
 }
 
 /// Decides from the leaves up.
@@ -88,7 +85,7 @@ impl Emission<'_> {
         };
         if height as usize > levels && halvings(count) >= levels {
             let leaves = self.leaves(index);
-            return self.halved(&leaves, levels);
+            return self.halved(&leaves);
         }
         let slot = self.nodes.len();
         let children = self.tree.by_area(children);
@@ -123,8 +120,8 @@ impl Emission<'_> {
         Child::leaf(first as u32, (self.order.len() - first) as u32)
     }
 
-    /// As balanced as can be, where the tree is too deep to keep.
-    fn halved(&mut self, leaves: &[(u32, Bounds)], levels: usize) -> Child {
+    /// As balanced as can be, where the tree is too deep to keep: within [`halvings`] levels.
+    fn halved(&mut self, leaves: &[(u32, Bounds)]) -> Child {
         if leaves.len() <= MOST as usize {
             return self.leaf(leaves);
         }
@@ -132,7 +129,7 @@ impl Emission<'_> {
         let (left, right) = leaves.split_at(leaves.len().div_ceil(2));
         let around = |leaves: &[(u32, Bounds)]| leaves.iter().fold(Bounds::EMPTY, |all, (_, bounds)| all.join(bounds));
         self.nodes.push(node(&[around(left), around(right)]));
-        let links = [left, right].map(|half| self.halved(half, levels - 1));
+        let links = [left, right].map(|half| self.halved(half));
         self.nodes[slot].children = links;
         Child::node(slot as u32)
     }

@@ -24,6 +24,7 @@ pub mod bvh4;
 pub mod bvh8;
 pub mod bvh8f;
 pub mod bvh8w;
+pub mod cache;
 mod clip;
 mod collapse;
 pub mod compact;
@@ -90,17 +91,27 @@ impl Accel {
     /// # Errors
     /// More triangles than an index of the structure can tell apart.
     pub fn build(what: impl Into<Build>, triangles: Vec<Triangle>) -> Result<Self, BuildError> {
-        let Build { kind, quality } = what.into();
+        let Build { kind, quality, .. } = what.into();
+        match kind {
+            AccelKind::Brute => Ok(Self::Brute(brute::Brute::new(triangles)?)),
+            AccelKind::Kd => Ok(Self::Kd(kdtree_median::build(triangles)?)),
+            _ => Self::laid_out(kind, bvh2_build::build(triangles, quality)?),
+        }
+    }
+
+    /// A hierarchy of boxes in the layout of `kind`; for kinds that are none, as it is.
+    ///
+    /// # Errors
+    /// More triangles than an index of the layout can tell apart.
+    pub(crate) fn laid_out(kind: AccelKind, tree: bvh2::Bvh2) -> Result<Self, BuildError> {
         Ok(match kind {
-            AccelKind::Brute => Self::Brute(brute::Brute::new(triangles)?),
-            AccelKind::Kd => Self::Kd(kdtree_median::build(triangles)?),
-            AccelKind::Bvh2 => Self::Bvh2(bvh2_build::build(triangles, quality)?),
-            AccelKind::Bvh2c => Self::Bvh2c(compact::Compact::new(bvh2_build::build(triangles, quality)?)),
-            AccelKind::Bvh => Self::Bvh(octants::Octants::new(bvh2_build::build(triangles, quality)?)),
-            AccelKind::Bvh4 => Self::Bvh4(bvh4::Bvh4::from_bvh2(&bvh2_build::build(triangles, quality)?)),
-            AccelKind::Bvh8 => Self::Bvh8(bvh8::Bvh8::from_bvh2(&bvh2_build::build(triangles, quality)?)),
-            AccelKind::Bvh8w => Self::Bvh8w(bvh8w::Bvh8w::from_bvh2(&bvh2_build::build(triangles, quality)?)),
-            AccelKind::Bvh8f => Self::Bvh8f(bvh8f::Bvh8f::from_bvh2(&bvh2_build::build(triangles, quality)?)?),
+            AccelKind::Brute | AccelKind::Kd | AccelKind::Bvh2 => Self::Bvh2(tree),
+            AccelKind::Bvh2c => Self::Bvh2c(compact::Compact::new(tree)),
+            AccelKind::Bvh => Self::Bvh(octants::Octants::new(tree)),
+            AccelKind::Bvh4 => Self::Bvh4(bvh4::Bvh4::from_bvh2(&tree)),
+            AccelKind::Bvh8 => Self::Bvh8(bvh8::Bvh8::from_bvh2(&tree)),
+            AccelKind::Bvh8w => Self::Bvh8w(bvh8w::Bvh8w::from_bvh2(&tree)),
+            AccelKind::Bvh8f => Self::Bvh8f(bvh8f::Bvh8f::from_bvh2(&tree)?),
         })
     }
 

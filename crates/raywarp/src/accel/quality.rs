@@ -59,11 +59,13 @@ pub struct Build {
     pub kind: AccelKind,
     /// How good it should be.
     pub quality: Quality,
+    /// Whether to keep trees on disk, and to look for them there: [`cache`](super::cache).
+    pub cached: bool,
 }
 
 impl From<AccelKind> for Build {
     fn from(kind: AccelKind) -> Self {
-        Self { kind, quality: Quality::default() }
+        Self { kind, ..Self::default() }
     }
 }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use raywarp_kernels::triangle::Triangle;
 
 use super::binary::{Link, Node, Tree, ROOT};
-use super::bins::{around, halve, Bins, Item, Split, BINS};
+use super::bins::{around, halve, Bins, Item, Split};
 use super::bounds::Bounds;
 use super::spatial;
 
@@ -85,7 +85,7 @@ impl Builder<'_> {
         if spare == 0 || count <= 2 {
             return grow(&mut items, levels, room);
         }
-        let best = can_choose(count + 1, levels).then(|| Bins::fill(&items, BINS).best()).flatten();
+        let best = can_choose(count + 1, levels).then(|| Bins::fill(&items).best()).flatten();
         let parts = self.cut_space(&items, best.as_ref().map(|cut| (cut.overlap(), cut.children())), spare, levels);
         let [left, right] = parts.unwrap_or_else(|| {
             let split = match best {
@@ -144,7 +144,7 @@ fn grow(items: &mut [Item], levels: usize, room: Room) -> Node {
 
 /// Reorders at least two items so that two parts follow each other.
 fn divide(items: &mut [Item], levels: usize) -> Split {
-    let best = (items.len() > 2 && can_choose(items.len(), levels)).then(|| Bins::fill(items, BINS).best()).flatten();
+    let best = (items.len() > 2 && can_choose(items.len(), levels)).then(|| Bins::fill(items).best()).flatten();
     match best {
         Some(best) => best.apply(items),
         None => halve(items),

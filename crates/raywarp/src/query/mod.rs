@@ -24,7 +24,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::accel::instanced::Instanced;
-use crate::accel::{sift, Accel, AnyResident, Build, Dropped, Resident, ResidentInstanced, TreeStats};
+use crate::accel::{cache, sift, Accel, AnyResident, Build, Dropped, Resident, ResidentInstanced, TreeStats};
 use crate::backend::Device;
 use crate::render::Flat;
 use crate::scene::Scene;
@@ -76,7 +76,7 @@ struct Shared {
 }
 
 /// What became of the triangles on their way to the device.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Report {
     /// Triangles that can be hit.
     pub triangles: usize,
@@ -84,8 +84,10 @@ pub struct Report {
     pub dropped: Dropped,
     /// The structure.
     pub tree: TreeStats,
-    /// Seconds to build the structure.
+    /// Seconds to build the structure, or to read it from the cache.
     pub build_seconds: f64,
+    /// Why the structure could not be kept on disk, as a sentence without the full stop.
+    pub warning: Option<String>,
 }
 
 impl Report {
@@ -148,9 +150,11 @@ impl RayCaster {
         let start = Instant::now();
         let (triangles, dropped) = sift(triangles);
         let count = triangles.len();
-        let accel = Accel::build(what, triangles)?;
+        let built = cache::build(what, triangles)?;
+        let accel = built.accel;
         let build_seconds = start.elapsed().as_secs_f64();
-        let report = Report { triangles: count, dropped, tree: accel.stats(), build_seconds };
+        let warning = built.warning.map(|warning| warning.to_string());
+        let report = Report { triangles: count, dropped, tree: accel.stats(), build_seconds, warning };
         device.reserve(report.tree.bytes as u64, "the scene")?;
         let structure = AnyResident::One(Resident::upload(device, &accel)?);
         Ok(Self { shared: Arc::new(Shared { device: device.clone(), structure, geometries, report }) })

@@ -18,7 +18,7 @@ use raywarp_kernels::shade::whitted::Limits;
 use raywarp_kernels::traverse::Tests;
 use raywarp_kernels::view::ViewMut;
 
-use crate::accel::{sift, Accel, Build, Dropped, Resident, TreeStats};
+use crate::accel::{cache, sift, Build, Dropped, Resident, TreeStats};
 use crate::backend::{Buffer, Device};
 use crate::image::Picture;
 use crate::scene::{Camera, Scene};
@@ -113,7 +113,8 @@ impl Tracer {
         let start = Instant::now();
         let count = triangles.len();
         let bounds = flatten::bounds(&triangles);
-        let tree = Accel::build(accel, triangles)?;
+        let built = cache::build(accel.into(), triangles)?;
+        let tree = built.accel;
         let build_seconds = start.elapsed().as_secs_f64();
 
         let start = Instant::now();
@@ -128,6 +129,7 @@ impl Tracer {
         let (camera, framed) = camera::default_camera(scene, bounds);
         let mut notes = lighting.notes.clone();
         notes.extend(framed);
+        notes.extend(built.warning.map(|warning| warning.to_string()));
         let report = Report {
             triangles: count,
             dropped,

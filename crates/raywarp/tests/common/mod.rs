@@ -152,9 +152,11 @@ fn nonsense(origin: Vec3, n: &mut Numbers) -> Ray {
     }
 }
 
-/// Every structure of the same triangles, brute force first, and the hierarchy of boxes in every quality.
+/// Every structure of the same triangles, brute force first, and the hierarchies of boxes in other qualities.
 pub fn every_structure(triangles: &[Triangle]) -> Vec<Accel> {
-    let hierarchy = Quality::ALL.map(|quality| Build { kind: AccelKind::Bvh, quality });
-    let kinds = [AccelKind::Brute.into(), AccelKind::Kd.into()].into_iter().chain(hierarchy);
-    kinds.map(|what: Build| Accel::build(what, triangles.to_vec()).expect("few triangles")).collect()
+    let better = [AccelKind::Bvh2, AccelKind::Bvh8, AccelKind::Bvh8f];
+    let others = better.map(|kind| Build { kind, quality: Quality::High, cached: false });
+    let fast = Build { kind: AccelKind::Bvh2, quality: Quality::Fast, cached: false };
+    let kinds = AccelKind::ALL.map(Build::from).into_iter().chain(others).chain([fast]);
+    kinds.map(|what| Accel::build(what, triangles.to_vec()).expect("few triangles")).collect()
 }

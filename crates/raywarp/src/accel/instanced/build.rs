@@ -167,7 +167,7 @@ fn count(meshes: &[Mesh], placements: &[Placement], fates: &[Fate], mut dropped:
 }
 
 fn tree(triangles: Vec<Triangle>, quality: Quality) -> Result<Bvh2, BuildError> {
-    match Accel::build(Build { kind: AccelKind::Bvh2, quality }, triangles)? {
+    match Accel::build(Build { kind: AccelKind::Bvh2, quality, cached: false }, triangles)? {
         Accel::Bvh2(tree) => Ok(tree),
         _ => unreachable!("a hierarchy was asked for"),
     }

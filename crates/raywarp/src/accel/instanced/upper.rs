@@ -46,8 +46,7 @@ fn grow(items: &mut [Item], levels: usize, nodes: &mut Vec<Node>) -> (Child, usi
 
 /// The heuristic may split off one instance at a time: only as long as halving still ends in time.
 fn divide(items: &mut [Item], levels: usize) -> Split {
-    let best =
-        (halvings(items.len() - 1) < levels).then(|| Bins::fill(items, crate::accel::bins::BINS).best()).flatten();
+    let best = (halvings(items.len() - 1) < levels).then(|| Bins::fill(items).best()).flatten();
     match best {
         Some(best) => best.apply(items),
         None => {
