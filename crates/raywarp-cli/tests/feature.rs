@@ -133,12 +133,13 @@ fn every_structure_and_thread_count_gives_the_same_picture() {
 fn statistics_are_a_table_or_json() {
     let place = place();
     place.render(&["scene.toml", "--size", "8x8", "--stats"]).says("tests a ray");
-    let run = place.render(&["scene.toml", "--size", "8x8", "--stats=json", "--quiet"]).succeeds();
+    let words = ["scene.toml", "--size", "8x8", "--stats=json", "--quiet", "--accel=bvh2"];
+    let run = place.render(&words).succeeds();
     assert!(run.err().is_empty(), "{}", run.err());
     let json: serde_json::Value = serde_json::from_str(&run.out()).unwrap();
     assert_eq!((json["size"][0].as_u64(), json["scene"]["triangles"].as_u64()), (Some(8), Some(1)));
     assert!(json["tests"]["rays"].as_u64() >= Some(64) && json["seconds"]["kernel"].as_f64() > Some(0.0));
-    assert_eq!(json["accel"], "bvh");
+    assert_eq!(json["accel"], "bvh2");
 }
 
 #[test]
@@ -214,7 +215,7 @@ fn bench_of_frames_times_every_structure_and_counts_its_rays() {
     let rows = bench["rows"].as_array().unwrap();
     let names: Vec<_> = rows.iter().map(|row| format!("{} {}", row["accel"], row["rays"])).collect();
     assert_eq!(names.len(), 6, "{names:?}");
-    assert_eq!(names[5], r#""bvh" "all""#);
+    assert_eq!(names[5], r#""bvh8f" "all""#);
     // Camera rays alone: one a pixel, for every structure.
     assert!(rows.iter().filter(|row| row["rays"] == "primary").all(|row| row["tests"]["rays"] == 16 * 12));
     assert!(rows.iter().all(|row| row["kernel_ms"]["median"].as_f64().unwrap() > 0.0));

@@ -42,6 +42,13 @@ impl Bounds {
         }
     }
 
+    /// Around the corners, without any margin.
+    pub fn of_corners(triangle: &Triangle) -> Self {
+        let [low, high] =
+            [Vec3::min, Vec3::max].map(|pick| pick(pick(triangle.v0, triangle.v1), triangle.v2).to_array());
+        Self { low, high }
+    }
+
     /// The smallest box around both.
     #[inline(always)]
     pub fn join(&self, other: &Self) -> Self {

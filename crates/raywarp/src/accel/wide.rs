@@ -117,13 +117,32 @@ pub(super) fn validate<L: Layout>(tree: &L) -> Result<(), Invalid> {
     walk.everything_reached()
 }
 
+/// A triangle that sticks out of its leaves.
+struct Parts {
+    triangle: Triangle,
+    /// The boxes of the leaves together.
+    all: Region,
+    leaves: u32,
+    /// One that has such a leaf.
+    node: u32,
+}
+
+impl Parts {
+    /// Whether the leaves together reach as far as the triangle. The margin is that of the parts, which builders leave
+    /// where space was split; of a triangle in one leaf the box must hold the margin too.
+    fn reach_all(&self) -> bool {
+        let whole = if self.leaves == 1 { Bounds::of(&self.triangle) } else { Bounds::of_corners(&self.triangle) };
+        self.all.contains(&whole)
+    }
+}
+
 /// What has been seen of a tree on the way down.
 struct Walk<'a, L> {
     tree: &'a L,
     reached: Vec<bool>,
     leaves: Vec<u32>,
-    /// Triangles that stick out of a leaf, by their bits: the boxes of the leaves together, and a node that has one.
-    parts: HashMap<[u32; 10], (Triangle, Region, u32)>,
+    /// Triangles that stick out of a leaf, by their bits.
+    parts: HashMap<[u32; 10], Parts>,
 }
 
 impl<L: Layout> Walk<'_, L> {
@@ -152,8 +171,10 @@ impl<L: Layout> Walk<'_, L> {
         self.leaves[place] += 1;
         let Some(triangle) = self.tree.triangle(place) else { return };
         if !way.contains(&Bounds::of(&triangle)) {
-            let part = self.parts.entry(bits(&triangle)).or_insert((triangle, Region::EMPTY, node));
-            part.1 = part.1.join(way);
+            let none = || Parts { triangle, all: Region::EMPTY, leaves: 0, node };
+            let parts = self.parts.entry(bits(&triangle)).or_insert_with(none);
+            parts.all = parts.all.join(way);
+            parts.leaves += 1;
         }
     }
 
@@ -163,9 +184,8 @@ impl<L: Layout> Walk<'_, L> {
         if reached != count {
             return Err(Invalid::Unreached { reached, count });
         }
-        if let Some((_, _, node)) = self.parts.values().find(|(triangle, all, _)| !all.contains(&Bounds::of(triangle)))
-        {
-            return Err(Invalid::Outside { node: *node });
+        if let Some(parts) = self.parts.values().find(|parts| !parts.reach_all()) {
+            return Err(Invalid::Outside { node: parts.node });
         }
         let expected = |place: usize| u32::from(self.tree.triangle(place).is_some());
         let of_empty_scene = |place: usize| self.tree.triangle(place).is_some_and(|triangle| is_point(&triangle));

@@ -46,7 +46,7 @@ pub struct Workload {
 /// let source = RaySource::new(&triangles, &scene.cameras[0], [64, 36])?;
 /// let caster = RayCaster::new(triangles.clone(), AccelKind::Bvh, &Device::open(DeviceChoice::Cpu)?)?;
 /// let primary = source.primary();
-/// let spots = source.spots(&primary.rays, &caster.closest(&primary.rays)?);
+/// let spots = source.spots(&primary.rays, &caster.hits(&primary.rays)?);
 /// let diffuse = source.workload(RayKind::Diffuse, &spots, 10_000);
 /// assert_eq!((primary.rays.len(), diffuse.rays.len()), (64 * 36, 10_000));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
