@@ -111,8 +111,13 @@ pub(super) fn validate<L: Layout>(tree: &L) -> Result<(), Invalid> {
     if tree.nodes() == 0 {
         return Err(Invalid::NoRoot);
     }
-    let mut walk =
-        Walk { tree, reached: vec![false; tree.nodes()], leaves: vec![0; tree.places()], parts: HashMap::new() };
+    let mut walk = Walk {
+        tree,
+        reached: vec![false; tree.nodes()],
+        leaves: vec![0; tree.places()],
+        whole: vec![true; tree.places()],
+        parts: HashMap::new(),
+    };
     walk.node(0, 0, &Region::EVERYWHERE)?;
     walk.everything_reached()
 }
@@ -122,17 +127,16 @@ struct Parts {
     triangle: Triangle,
     /// The boxes of the leaves together.
     all: Region,
-    leaves: u32,
     /// One that has such a leaf.
     node: u32,
 }
 
 impl Parts {
-    /// Whether the leaves together reach as far as the triangle. The margin is that of the parts, which builders leave
-    /// where space was split; of a triangle in one leaf the box must hold the margin too.
+    /// Whether the leaves together reach as far as the triangle. The margin is that of its parts: where space was split,
+    /// each has its own, and together they may leave less than the whole would. The binary tree's validation, which wide
+    /// trees are made after, is exact there.
     fn reach_all(&self) -> bool {
-        let whole = if self.leaves == 1 { Bounds::of(&self.triangle) } else { Bounds::of_corners(&self.triangle) };
-        self.all.contains(&whole)
+        self.all.contains(&Bounds::of_corners(&self.triangle))
     }
 }
 
@@ -141,6 +145,8 @@ struct Walk<'a, L> {
     tree: &'a L,
     reached: Vec<bool>,
     leaves: Vec<u32>,
+    /// Whether the leaf has all of the triangle.
+    whole: Vec<bool>,
     /// Triangles that stick out of a leaf, by their bits.
     parts: HashMap<[u32; 10], Parts>,
 }
@@ -171,11 +177,17 @@ impl<L: Layout> Walk<'_, L> {
         self.leaves[place] += 1;
         let Some(triangle) = self.tree.triangle(place) else { return };
         if !way.contains(&Bounds::of(&triangle)) {
-            let none = || Parts { triangle, all: Region::EMPTY, leaves: 0, node };
+            self.whole[place] = false;
+            let none = || Parts { triangle, all: Region::EMPTY, node };
             let parts = self.parts.entry(bits(&triangle)).or_insert_with(none);
             parts.all = parts.all.join(way);
-            parts.leaves += 1;
         }
+    }
+
+    /// Whether some leaf has all of a triangle that sticks out of others. Rare: it was split where that gained nothing.
+    fn is_whole(&self, triangle: &Triangle) -> bool {
+        let same = |place: usize| self.tree.triangle(place).is_some_and(|other| bits(&other) == bits(triangle));
+        (0..self.leaves.len()).any(|place| self.whole[place] && self.leaves[place] > 0 && same(place))
     }
 
     fn everything_reached(&self) -> Result<(), Invalid> {
@@ -184,7 +196,7 @@ impl<L: Layout> Walk<'_, L> {
         if reached != count {
             return Err(Invalid::Unreached { reached, count });
         }
-        if let Some(parts) = self.parts.values().find(|parts| !parts.reach_all()) {
+        if let Some(parts) = self.parts.values().find(|parts| !parts.reach_all() && !self.is_whole(&parts.triangle)) {
             return Err(Invalid::Outside { node: parts.node });
         }
         let expected = |place: usize| u32::from(self.tree.triangle(place).is_some());
