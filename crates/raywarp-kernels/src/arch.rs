@@ -131,6 +131,7 @@ pub struct Links<'a, const N: usize> {
     top: u32,
     #[cfg(not(target_arch = "nvptx64"))]
     top: usize,
+    #[cfg_attr(target_arch = "nvptx64", expect(dead_code, reason = "held for as long as `top` points into it"))]
     room: &'a mut [core::mem::MaybeUninit<u32>; N],
 }
 

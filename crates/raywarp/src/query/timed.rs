@@ -23,9 +23,9 @@ enum Room {
 /// What became of a batch, one a ray.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answers {
-    /// As [`RayCaster::closest`].
+    /// As [`RayCaster::hits`].
     Closest(Vec<Hit>),
-    /// As [`RayCaster::occluded`].
+    /// As [`RayCaster::any`].
     Occluded(Vec<bool>),
 }
 
