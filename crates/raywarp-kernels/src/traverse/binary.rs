@@ -48,12 +48,11 @@ impl Slab {
 /// two negative ones that makes the first earlier and the last later, which is safe.
 #[inline(always)]
 pub fn meeting(enter: [f32; 3], leave: [f32; 3], t_min: f32, t_far: f32, link: u32) -> Meeting {
-    let later = |a: i32, b: i32| a.max(b);
-    let earlier = |a: i32, b: i32| a.min(b);
-    let [ex, ey, ez] = enter.map(|t| t.to_bits() as i32);
-    let [lx, ly, lz] = leave.map(|t| t.to_bits() as i32);
-    let first = later(later(later(ex, ey), ez), t_min.to_bits() as i32);
-    let last = earlier(earlier(earlier(lx, ly), lz), t_far.to_bits() as i32);
+    let [ex, ey, ez] = enter;
+    let [lx, ly, lz] = leave;
+    let bits = |t: f32| t.to_bits() as i32;
+    let first = bits(ex).max(bits(ey)).max(bits(ez)).max(bits(t_min));
+    let last = bits(lx).min(bits(ly)).min(bits(lz)).min(bits(t_far));
     Meeting { first: f32::from_bits(first as u32), last: f32::from_bits(last as u32), link }
 }
 

@@ -134,16 +134,14 @@ impl<const OCTANT: u32> Full<OCTANT> {
 
     #[inline(always)]
     fn meet(&self, low: Vec3, high: Vec3, link: Child, t_min: f32, t_far: f32) -> Meeting {
-        let plane = |i: u32| if self.backwards(i) { (high[i], low[i]) } else { (low[i], high[i]) };
-        let enter = |i: u32| arch::fma(plane(i).0, self.inverse[i], self.slabs[i as usize].enter);
-        let leave = |i: u32| arch::fma(plane(i).1, self.inverse[i], self.slabs[i as usize].leave);
-        super::binary::meeting(
-            [enter(0), enter(1), enter(2)],
-            [leave(0), leave(1), leave(2)],
-            t_min,
-            t_far,
-            link.bits(),
-        )
+        // No closures: one that is called more than once is not inlined, and then has no fused instruction on the CPU.
+        let (mut enter, mut leave) = ([0.0; 3], [0.0; 3]);
+        for i in 0..3 {
+            let (near, far) = if self.backwards(i) { (high[i], low[i]) } else { (low[i], high[i]) };
+            enter[i as usize] = arch::fma(near, self.inverse[i], self.slabs[i as usize].enter);
+            leave[i as usize] = arch::fma(far, self.inverse[i], self.slabs[i as usize].leave);
+        }
+        super::binary::meeting(enter, leave, t_min, t_far, link.bits())
     }
 }
 
@@ -151,7 +149,8 @@ impl<const OCTANT: u32> Boxes for Full<OCTANT> {
     #[inline(always)]
     fn children(&self, index: u32, t_min: f32, t_far: f32) -> [Meeting; 2] {
         let node = self.nodes.load(index);
-        [0, 1].map(|i| self.meet(node.low[i], node.high[i], node.children[i], t_min, t_far))
+        let left = self.meet(node.low[0], node.high[0], node.children[0], t_min, t_far);
+        [left, self.meet(node.low[1], node.high[1], node.children[1], t_min, t_far)]
     }
 }
 

@@ -104,18 +104,23 @@ impl OnGrid {
 
     #[inline(always)]
     fn meet(&self, child: Corner, t_min: f32, t_far: f32) -> Meeting {
-        let number = |i: usize, which| f32::from_bits(arch::permute(child.planes[i], 0x4000_0000, which));
-        let enter = |i: usize| arch::fma(number(i, self.near[i]), self.scale[i as u32], self.slabs[i].enter);
-        let leave =
-            |i: usize| arch::fma(number(i, self.near[i] ^ LOW ^ HIGH), self.scale[i as u32], self.slabs[i].leave);
-        meeting([enter(0), enter(1), enter(2)], [leave(0), leave(1), leave(2)], t_min, t_far, child.link.bits())
+        // No closures: see `bvh2`.
+        let (mut enter, mut leave) = ([0.0; 3], [0.0; 3]);
+        for i in 0..3 {
+            let near = f32::from_bits(arch::permute(child.planes[i], 0x4000_0000, self.near[i]));
+            let far = f32::from_bits(arch::permute(child.planes[i], 0x4000_0000, self.near[i] ^ LOW ^ HIGH));
+            enter[i] = arch::fma(near, self.scale[i as u32], self.slabs[i].enter);
+            leave[i] = arch::fma(far, self.scale[i as u32], self.slabs[i].leave);
+        }
+        meeting(enter, leave, t_min, t_far, child.link.bits())
     }
 }
 
 impl Boxes for OnGrid {
     #[inline(always)]
     fn children(&self, index: u32, t_min: f32, t_far: f32) -> [Meeting; 2] {
-        self.nodes.load(index).children.map(|child| self.meet(child, t_min, t_far))
+        let [left, right] = self.nodes.load(index).children;
+        [self.meet(left, t_min, t_far), self.meet(right, t_min, t_far)]
     }
 }
 
