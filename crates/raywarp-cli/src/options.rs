@@ -155,22 +155,8 @@ pub struct RenderOptions {
     #[arg(long, value_name = "DEGREES", value_parser = values::field_of_view, help_heading = "Camera")]
     pub fov: Option<f32>,
 
-    /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
-    #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
-    pub device: DeviceChoice,
-    /// How to find hits: brute (every triangle), kd (the paper's k-d tree), or a hierarchy of boxes: bvh2, bvh2c, bvh,
-    /// bvh4, bvh8, bvh8w, bvh8f; none: the fastest on the device
-    #[arg(long, value_name = "KIND", help_heading = "Machine")]
-    pub accel: Option<AccelKind>,
-    /// How good a hierarchy of boxes should be: fast (to build), medium, high (to trace)
-    #[arg(long, value_name = "QUALITY", default_value = "medium", help_heading = "Machine")]
-    pub tree: Quality,
-    /// Build the tree anew instead of looking for it in the user's cache, or in the folder of RAYWARP_CACHE
-    #[arg(long, help_heading = "Machine")]
-    pub no_cache: bool,
-    /// Threads of the CPU; none: all
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Machine")]
-    pub threads: Option<u32>,
+    #[command(flatten)]
+    pub machine: MachineOptions,
 
     /// Print statistics: a table to standard error, or JSON to standard output. Tests are counted in a second run
     #[arg(long, value_name = "FORM", num_args = 0..=1, require_equals = true, default_missing_value = "table")]
@@ -221,22 +207,8 @@ pub struct QueryOptions {
     #[arg(long, value_name = "FORMAT")]
     pub format: Option<Format>,
 
-    /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
-    #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
-    pub device: DeviceChoice,
-    /// How to find hits: brute (every triangle), kd (the paper's k-d tree), or a hierarchy of boxes: bvh2, bvh2c, bvh,
-    /// bvh4, bvh8, bvh8w, bvh8f; none: the fastest on the device
-    #[arg(long, value_name = "KIND", help_heading = "Machine")]
-    pub accel: Option<AccelKind>,
-    /// How good a hierarchy of boxes should be: fast (to build), medium, high (to trace)
-    #[arg(long, value_name = "QUALITY", default_value = "medium", help_heading = "Machine")]
-    pub tree: Quality,
-    /// Build the tree anew instead of looking for it in the user's cache, or in the folder of RAYWARP_CACHE
-    #[arg(long, help_heading = "Machine")]
-    pub no_cache: bool,
-    /// Threads of the CPU; none: all
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Machine")]
-    pub threads: Option<u32>,
+    #[command(flatten)]
+    pub machine: MachineOptions,
 
     /// Print one JSON object about the run
     #[arg(long, help_heading = "Messages")]
@@ -276,9 +248,33 @@ pub struct ManOptions {
     pub directory: Option<PathBuf>,
 }
 
-/// What to build on a device for the options `--accel`, `--tree` and `--no-cache`.
-pub fn build(accel: Option<AccelKind>, quality: Quality, no_cache: bool, device: &Device) -> Build {
-    Build { kind: accel.unwrap_or_else(|| AccelKind::fastest_on(device)), quality, cached: !no_cache }
+/// Where to trace, and through what: options of every command that traces a scene.
+#[derive(Debug, Args)]
+pub struct MachineOptions {
+    /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
+    #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
+    pub device: DeviceChoice,
+    /// How to find hits: brute (every triangle), kd (the paper's k-d tree), or a hierarchy of boxes: bvh2, bvh2c, bvh,
+    /// bvh4, bvh8, bvh8w, bvh8f; none: the fastest on the device
+    #[arg(long, value_name = "KIND", help_heading = "Machine")]
+    pub accel: Option<AccelKind>,
+    /// How good a hierarchy of boxes should be: fast (to build), medium, high (to trace)
+    #[arg(long, value_name = "QUALITY", default_value = "medium", help_heading = "Machine")]
+    pub tree: Quality,
+    /// Build the tree anew instead of looking for it in the user's cache, or in the folder of RAYWARP_CACHE
+    #[arg(long, help_heading = "Machine")]
+    pub no_cache: bool,
+    /// Threads of the CPU; none: all
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Machine")]
+    pub threads: Option<u32>,
+}
+
+impl MachineOptions {
+    /// What to build on a device.
+    pub fn build(&self, device: &Device) -> Build {
+        let kind = self.accel.unwrap_or_else(|| AccelKind::fastest_on(device));
+        Build { kind, quality: self.tree, cached: !self.no_cache }
+    }
 }
 
 #[cfg(test)]
@@ -295,6 +291,6 @@ mod tests {
         let (options, library) = (super::RenderOptions::built_in(), raywarp::render::RenderOptions::default());
         assert_eq!((options.size, options.spp, options.max_depth), (library.size, library.spp, library.max_depth));
         assert_eq!((options.seed, !options.no_shadows), (library.seed, library.shadows));
-        assert_eq!((options.accel, options.tree), (None, raywarp::accel::Quality::default()));
+        assert_eq!((options.machine.accel, options.machine.tree), (None, raywarp::accel::Quality::default()));
     }
 }

@@ -12,7 +12,7 @@ use raywarp::write;
 use serde::Serialize;
 
 use crate::interrupt::Interrupt;
-use crate::options::{build, QueryOptions};
+use crate::options::QueryOptions;
 use crate::progress::{Bar, Words};
 use crate::render::{limit_threads, read, refuse_dropped};
 use crate::say;
@@ -27,11 +27,11 @@ pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
     let mut answers = plan(options, &interrupt)?;
     // A bad file of rays is told before a large scene is read.
     let mut rays = RayReader::open(&options.rays)?;
-    limit_threads(options.threads)?;
+    limit_threads(options.machine.threads)?;
     let loaded = read(options.scene.as_deref(), options.strict)?;
     let load_seconds = start.elapsed().as_secs_f64();
-    let device = Device::open(options.device)?;
-    let what = build(options.accel, options.tree, options.no_cache, &device);
+    let device = Device::open(options.machine.device)?;
+    let what = options.machine.build(&device);
     let caster = RayCaster::from_scene(&loaded.scene, what, &device)?;
     refuse_dropped(options.strict, &caster.report().dropped)?;
     if !options.quiet {

@@ -12,7 +12,7 @@ use raywarp::scene::{load, Camera, LoadOptions, Loaded};
 
 use crate::interrupt::Interrupt;
 use crate::limits;
-use crate::options::{build, RenderOptions, StatsForm};
+use crate::options::{RenderOptions, StatsForm};
 use crate::output::{Plan, Results};
 use crate::progress::{Bar, Words};
 use crate::report::{SceneCounts, Seconds, Statistics, TestCounts};
@@ -25,14 +25,14 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let region = limits::region(options.size, options.crop)?;
     let plan = plan(options, &interrupt)?;
     limits::check_memory(region, &plan, plan.needs_tests() || options.stats.is_some())?;
-    limit_threads(options.threads)?;
+    limit_threads(options.machine.threads)?;
 
     let start = Instant::now();
     let loaded = read(options.scene.as_deref(), options.strict)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let chosen = options.camera.as_deref().map(|name| viewpoint::named(&loaded.scene.cameras, name)).transpose()?;
-    let device = Device::open(options.device)?;
-    let what = build(options.accel, options.tree, options.no_cache, &device);
+    let device = Device::open(options.machine.device)?;
+    let what = options.machine.build(&device);
     let tracer = Tracer::new(&loaded.scene, what, &device)?;
     refuse_dropped(options.strict, &tracer.report().dropped)?;
     say_notes(options, &loaded, &device, &tracer);

@@ -28,7 +28,7 @@ pub struct Slab {
 /// Roundings of single precision that a box allows for, relative to the numbers that a distance is summed from: two
 /// for the inverse and the sum, two for the origin's share, three by which a triangle's corners move when they are
 /// sheared, five in the distance of a hit.
-const SLACK: f32 = 16.0 / 16_777_216.0;
+pub const SLACK: f32 = 16.0 / 16_777_216.0;
 
 impl Slab {
     /// Of distances `plane + shift` where `plane` is at most `reach` from zero; conservative, after Ize 2013. Where that

@@ -3,8 +3,9 @@
 //! The loops over eight boxes and over four triangles have no branches and become vector instructions by themselves. (After
 //! the 8-wide nodes and triangles in fours of Embree, Wald and others 2014.)
 
+use super::binary::SLACK;
 use super::bvh2::Child;
-use super::slabs::{Slabs, SLACK};
+use super::slabs::Slabs;
 use super::{Counter, Structure, Visitor};
 use crate::arch;
 use crate::four::Four;

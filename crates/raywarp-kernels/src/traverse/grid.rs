@@ -3,6 +3,7 @@
 //! A node has an origin and the distance between planes; byte `q` stands for the plane at `origin + q * spacing`, exactly.
 //! Builders see to it that the box between such planes holds the child's.
 
+use super::binary::SLACK;
 use crate::arch::{self, fraction_of_byte};
 use crate::math::{vec3, Vec3};
 use crate::ray::Ray;
@@ -27,9 +28,6 @@ pub(super) struct Grid {
     leave: Vec3,
     t_min: f32,
 }
-
-/// A few roundings of single precision, see [`Grid::enter`].
-const SLACK: f32 = 16.0 / 16_777_216.0;
 
 impl GridRay {
     #[inline(always)]
@@ -99,7 +97,7 @@ impl Grid {
     /// Conservative, after Ize 2013. A distance is `(1 + q / 2^15) * step + shift - step`: its terms are off by at most
     /// three roundings of the shift, three of the step, and two more where they are added; the distance itself by two,
     /// of which one is the inverse direction's. `enter` and `leave` hold the former, the end holds the latter. For the
-    /// step that is 1/64 of the distance between planes. Where a step or a shift overflows, so does the slack, and the
+    /// step that is 1/32 of the distance between planes. Where a step or a shift overflows, so does the slack, and the
     /// axis sets no limit: infinite one way, or NaN.
     #[inline(always)]
     pub fn enter<const INDEX: u32>(&self, near: [u32; 3], far: [u32; 3], t_far: f32) -> Option<f32> {

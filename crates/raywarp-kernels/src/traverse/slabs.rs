@@ -1,5 +1,6 @@
 //! The way down a tree whose scale the ray does not know: it has been brought into the space of a mesh.
 
+use super::binary::SLACK;
 use super::bvh2::{Child, Node};
 use super::Counter;
 use crate::arch;
@@ -51,9 +52,6 @@ pub struct Slabs {
     /// Where the ray begins.
     pub t_min: f32,
 }
-
-/// A few roundings of single precision, see [`Slabs::enter`].
-pub const SLACK: f32 = 16.0 / 16_777_216.0;
 
 impl Slabs {
     #[inline(always)]

@@ -28,8 +28,7 @@ impl Bounds {
     /// That is a little more than the corners: the test rounds them, by up to 2^-23 of the triangle's extent across the
     /// ray. And it makes every box contain its faces beyond doubt, so that a ray which runs in one enters it.
     pub fn of(triangle: &Triangle) -> Self {
-        let [low, high] =
-            [Vec3::min, Vec3::max].map(|pick| pick(pick(triangle.v0, triangle.v1), triangle.v2).to_array());
+        let Self { low, high } = Self::of_corners(triangle);
         Self::padded(low, high, triangle.extent)
     }
 

@@ -109,8 +109,8 @@ pub(crate) fn grid(bounds: &Bounds) -> Grid {
 }
 
 /// Base and scale of an axis, such that its first and last plane enclose what there is. Where that is narrow beside its
-/// distance from zero, single precision cannot say so: the grid is then as wide as it must be. Near the end of single precision there is none:
-/// an infinite scale makes every box endless on that axis.
+/// distance from zero, single precision cannot say so: the grid is then as wide as it must be. Near the end of single
+/// precision there is none: an infinite scale makes every box endless on that axis.
 fn axis(low: f64, high: f64) -> (f32, f32) {
     let mut scale = ((high - low) / (LAST - FIRST)) as f32 * (1.0 + f32::EPSILON) + f32::MIN_POSITIVE;
     loop {

@@ -184,19 +184,24 @@ impl<L: Layout> Walk<'_, L> {
         }
     }
 
-    /// Whether some leaf has all of a triangle that sticks out of others. Rare: it was split where that gained nothing.
-    fn is_whole(&self, triangle: &Triangle) -> bool {
-        let same = |place: usize| self.tree.triangle(place).is_some_and(|other| bits(&other) == bits(triangle));
-        (0..self.leaves.len()).any(|place| self.whole[place] && self.leaves[place] > 0 && same(place))
+    /// A triangle that some leaf has all of may stick out of others: it was split where that gained nothing.
+    fn forget_whole(&mut self) {
+        for place in (0..self.leaves.len()).filter(|&place| self.whole[place] && self.leaves[place] > 0) {
+            if self.parts.is_empty() {
+                return;
+            }
+            self.tree.triangle(place).and_then(|triangle| self.parts.remove(&bits(&triangle)));
+        }
     }
 
-    fn everything_reached(&self) -> Result<(), Invalid> {
+    fn everything_reached(mut self) -> Result<(), Invalid> {
         let count = self.reached.len();
         let reached = self.reached.iter().filter(|&&reached| reached).count();
         if reached != count {
             return Err(Invalid::Unreached { reached, count });
         }
-        if let Some(parts) = self.parts.values().find(|parts| !parts.reach_all() && !self.is_whole(&parts.triangle)) {
+        self.forget_whole();
+        if let Some(parts) = self.parts.values().find(|parts| !parts.reach_all()) {
             return Err(Invalid::Outside { node: parts.node });
         }
         let expected = |place: usize| u32::from(self.tree.triangle(place).is_some());

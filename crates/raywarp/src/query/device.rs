@@ -30,7 +30,7 @@
 
 use raywarp_kernels::view::{Plain, View};
 
-use super::question::{Fill, Question};
+use super::question::{Collect, Fill, Find, Question};
 use super::{QueryError, RayCaster};
 use crate::backend::{Buffer, Device, DeviceError, Launch, Stream};
 use crate::{Hit, Ray};
@@ -222,7 +222,7 @@ impl Fill for Closest {
     }
 
     fn question(&mut self) -> Question {
-        Question::Closest { hits: self.hits.view_mut() }
+        Question::Find(Find::Closest { hits: self.hits.view_mut() })
     }
 }
 
@@ -232,7 +232,7 @@ impl Fill for Any {
     }
 
     fn question(&mut self) -> Question {
-        Question::Any { blocked: self.blocked.view_mut() }
+        Question::Find(Find::Any { blocked: self.blocked.view_mut() })
     }
 }
 
@@ -242,7 +242,7 @@ impl Fill for Count {
     }
 
     fn question(&mut self) -> Question {
-        Question::Count { limit: self.limit, counts: self.counts.view_mut() }
+        Question::Collect(Collect::Count { limit: self.limit, counts: self.counts.view_mut() })
     }
 }
 
@@ -254,6 +254,6 @@ impl Fill for All {
 
     fn question(&mut self) -> Question {
         let (counts, hits) = (self.counts.view_mut(), self.hits.view_mut());
-        Question::All { offsets: View::EMPTY, limit: self.limit, counts, hits }
+        Question::Collect(Collect::All { offsets: View::EMPTY, limit: self.limit, counts, hits })
     }
 }

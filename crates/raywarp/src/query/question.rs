@@ -12,8 +12,20 @@ use crate::{Hit, Ray};
 /// What a kernel is asked, and where its answers go.
 #[derive(Clone, Copy)]
 pub enum Question {
+    Find(Find),
+    Collect(Collect),
+}
+
+/// What one traversal answers.
+#[derive(Clone, Copy)]
+pub enum Find {
     Closest { hits: ViewMut<Hit> },
     Any { blocked: ViewMut<u32> },
+}
+
+/// What looks at every hit.
+#[derive(Clone, Copy)]
+pub enum Collect {
     Count { limit: u32, counts: ViewMut<u32> },
     All { offsets: View<u32>, limit: u32, counts: ViewMut<u32>, hits: ViewMut<Hit> },
 }
@@ -42,11 +54,11 @@ impl RayCaster {
         // SAFETY: the caller's promise.
         unsafe {
             match question {
-                Question::Closest { .. } | Question::Any { .. } => {
+                Question::Find(question) => {
                     with_any_structure!(self.structure(), structure => batch.find(structure, question))
                 }
                 // Long kernels already: of a tree in two layouts they know one.
-                Question::Count { .. } | Question::All { .. } => {
+                Question::Collect(question) => {
                     with_any_structure!(self.structure(), structure, both => both.compact, batch.collect(structure, question))
                 }
             }
@@ -63,7 +75,7 @@ struct Batch<'a> {
 impl Batch<'_> {
     /// # Safety
     /// As for [`Device::launch`], until the launch has been waited for.
-    unsafe fn find<S: Structure>(&self, structure: S, question: Question) -> Result<Launch, DeviceError>
+    unsafe fn find<S: Structure>(&self, structure: S, question: Find) -> Result<Launch, DeviceError>
     where
         Closest<S>: Kernel,
         Occluded<S>: Kernel,
@@ -72,16 +84,15 @@ impl Batch<'_> {
         // SAFETY: the caller's promise, for each of them.
         unsafe {
             match question {
-                Question::Closest { hits } => self.run(&Closest { structure, rays, hits }),
-                Question::Any { blocked } => self.run(&Occluded { structure, rays, occluded: blocked }),
-                Question::Count { .. } | Question::All { .. } => unreachable!("collected"),
+                Find::Closest { hits } => self.run(&Closest { structure, rays, hits }),
+                Find::Any { blocked } => self.run(&Occluded { structure, rays, occluded: blocked }),
             }
         }
     }
 
     /// # Safety
     /// As for [`Device::launch`], until the launch has been waited for.
-    unsafe fn collect<S: Structure>(&self, structure: S, question: Question) -> Result<Launch, DeviceError>
+    unsafe fn collect<S: Structure>(&self, structure: S, question: Collect) -> Result<Launch, DeviceError>
     where
         Count<S>: Kernel,
         All<S>: Kernel,
@@ -90,11 +101,10 @@ impl Batch<'_> {
         // SAFETY: the caller's promise, for each of them.
         unsafe {
             match question {
-                Question::Count { limit, counts } => self.run(&Count { structure, rays, limit, counts }),
-                Question::All { offsets, limit, counts, hits } => {
+                Collect::Count { limit, counts } => self.run(&Count { structure, rays, limit, counts }),
+                Collect::All { offsets, limit, counts, hits } => {
                     self.run(&All { structure, rays, offsets, limit, counts, hits })
                 }
-                Question::Closest { .. } | Question::Any { .. } => unreachable!("found"),
             }
         }
     }
