@@ -1,0 +1,22 @@
+//! The interactive core, without any window.
+//!
+//! A [`Stage`] holds the scene on its device and what people changed about it; a [`Viewer`] is one pair of eyes on it:
+//! camera, options and picture. A window has one viewer; a server has one for each browser, all before one stage. Both
+//! belong to one thread: what takes long (reading, building, compiling kernels) runs beside it, and
+//! [`Stage::poll`] takes what is ready.
+
+mod event;
+mod help;
+mod outcome;
+mod panel;
+mod stage;
+mod status;
+mod viewer;
+
+pub use event::{Button, Event, Modifiers};
+pub use help::HELP;
+pub use outcome::Outcome;
+pub use panel::{Control, Panel, Row, Section, Value};
+pub use stage::{Source, Stage, StageOptions};
+pub use status::{Legend, Notice, Status};
+pub use viewer::{Picture, Viewer};
