@@ -282,6 +282,24 @@ pub fn at_most(a: &[f32; 8], b: &[f32; 8]) -> u32 {
     (0..8).fold(0, |bits, i| bits | ((a[i] <= b[i]) as u32) << i)
 }
 
+/// A clock whose differences say how long a thread took, modulo 2^32: cycles of the multiprocessor on a GPU,
+/// nanoseconds on a CPU.
+#[inline(always)]
+pub fn clock() -> u32 {
+    #[cfg(target_arch = "nvptx64")]
+    {
+        let ticks: u32;
+        // SAFETY: reads a special register; volatile, as `pure` is not among the options.
+        unsafe { core::arch::asm!("mov.u32 {t}, %clock;", t = out(reg32) ticks, options(nomem, nostack)) };
+        ticks
+    }
+    #[cfg(not(target_arch = "nvptx64"))]
+    {
+        static START: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();
+        START.get_or_init(std::time::Instant::now).elapsed().as_nanos() as u32
+    }
+}
+
 /// Which thread of the launch this is, on the GPU. On the CPU the launch loop supplies it.
 #[cfg(target_arch = "nvptx64")]
 #[inline(always)]

@@ -14,3 +14,12 @@ pub struct Pixel {
     /// Camera rays that hit something.
     pub hits: f32,
 }
+
+impl Pixel {
+    /// Mean radiance over so many samples; nothing where it is infinite or NaN.
+    #[inline(always)]
+    pub fn mean(&self, samples: f32) -> Option<Vec3> {
+        let mean = self.radiance / samples;
+        (mean.x.is_finite() && mean.y.is_finite() && mean.z.is_finite()).then_some(mean)
+    }
+}

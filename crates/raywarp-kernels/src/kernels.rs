@@ -2,6 +2,7 @@
 
 use core::marker::PhantomData;
 
+use crate::arch;
 use crate::camera::{pixel_centre, Camera};
 use crate::film::Pixel;
 use crate::math::Vec3;
@@ -82,6 +83,8 @@ pub struct Whitted<S, C> {
     pub film: ViewMut<Pixel>,
     /// Counts, read and written where `C` counts.
     pub tests: ViewMut<Tests>,
+    /// Time that the pixel's thread took, see [`arch::clock`], read and written where `C` counts.
+    pub ticks: ViewMut<u32>,
     /// Whether to count.
     pub counter: PhantomData<C>,
 }
@@ -95,6 +98,7 @@ impl<S: Structure, C: Counter> Whitted<S, C> {
         let [first, end, count] = self.frame.samples;
         let key = combine(combine(self.frame.seed, x), y);
         let mut counter = C::default();
+        let start = if C::COUNTS { arch::clock() } else { 0 };
         for sample in first..end {
             let (dx, dy) = stratified(sample, count, key);
             let ray = self.frame.camera.ray(x as f32 + dx, y as f32 + dy);
@@ -104,11 +108,18 @@ impl<S: Structure, C: Counter> Whitted<S, C> {
         }
         // SAFETY: one thread a pixel.
         unsafe { self.film.set(index, pixel) };
-        self.keep(index, counter.tests());
+        if C::COUNTS {
+            self.keep(index, counter.tests(), arch::clock().wrapping_sub(start));
+        }
     }
 
     #[inline(always)]
-    fn keep(&self, index: u32, more: Tests) {
+    fn keep(&self, index: u32, more: Tests, ticks: u32) {
+        // SAFETY: one thread a pixel.
+        if let Some(sum) = unsafe { self.ticks.get(index) } {
+            // SAFETY: one thread a pixel.
+            unsafe { self.ticks.set(index, sum.saturating_add(ticks)) };
+        }
         // SAFETY: one thread a pixel.
         let Some(sum) = (unsafe { self.tests.get(index) }) else { return };
         let sum = Tests {
@@ -422,6 +433,11 @@ macro_rules! for_each_kernel {
             all_bvh8w: $crate::kernels::All<$crate::traverse::Bvh8w>,
             all_bvh8f: $crate::kernels::All<$crate::traverse::Bvh8f>,
             all_instanced: $crate::kernels::All<$crate::traverse::Instanced>,
+            develop: $crate::screen::Develop,
+            ranges: $crate::screen::Ranges,
+            paint: $crate::screen::Paint,
+            reshape: $crate::refit::Reshape,
+            refit: $crate::refit::Refit,
         }
     };
 }

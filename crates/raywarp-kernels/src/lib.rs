@@ -7,7 +7,7 @@
 //!
 //! The modules in the order in which a ray meets them: [`camera`] and [`sample`] make it, [`traverse`] finds the
 //! [`triangle`] it hits, [`surface`], [`material`] and [`texture`] say what is there, [`light`] and [`shade`] what it
-//! sends back, [`film`] keeps the sum. [`kernels`] lists what can be launched.
+//! sends back, [`film`] keeps the sum, which [`display`] and [`screen`] show. [`refit`] moves triangles within a tree. [`kernels`] lists what can be launched.
 #![cfg_attr(target_arch = "nvptx64", no_std)]
 #![cfg_attr(target_arch = "nvptx64", feature(stdarch_nvptx, core_intrinsics, core_float_math, asm_experimental_arch))]
 #![cfg_attr(target_arch = "nvptx64", allow(internal_features))]
@@ -15,6 +15,8 @@
 pub mod arch;
 pub mod background;
 pub mod camera;
+pub mod display;
+pub mod false_color;
 pub mod film;
 pub mod four;
 pub mod kernels;
@@ -22,7 +24,9 @@ pub mod light;
 pub mod material;
 pub mod math;
 pub mod ray;
+pub mod refit;
 pub mod sample;
+pub mod screen;
 pub mod shade;
 mod stack;
 pub mod surface;

@@ -89,11 +89,34 @@ pub struct Triangle {
 /// relative to itself.
 pub(crate) const TINY: f32 = f32::MIN_POSITIVE;
 
+/// What a box leaves around a triangle, in units of its extent.
+pub const MARGIN: f32 = 4.0 / 16_777_216.0;
+
+/// A box with the margin for a triangle of some extent, all or part of which is in it.
+#[inline(always)]
+pub fn padded(low: Vec3, high: Vec3, extent: f32) -> (Vec3, Vec3) {
+    let margin = extent * MARGIN;
+    let down = |x: f32| arch::max(arch::min(x - margin, x.next_down()), -f32::MAX);
+    let up = |x: f32| arch::min(arch::max(x + margin, x.next_up()), f32::MAX);
+    (vec3(down(low.x), down(low.y), down(low.z)), vec3(up(high.x), up(high.y), up(high.z)))
+}
+
 impl Triangle {
     /// From its corners; any floats are legal, a triangle with NaN or without area is never hit.
     pub fn new(v0: Vec3, v1: Vec3, v2: Vec3, primitive: u32, flags: u32) -> Self {
         let extent = arch::max(arch::max((v1 - v0).max_abs(), (v2 - v0).max_abs()), (v2 - v1).max_abs());
         Self { v0, v1, v2, primitive, flags, extent }
+    }
+
+    /// Low and high corner of the box around every point where a ray may be found to hit the triangle; finite, whatever
+    /// the triangle.
+    ///
+    /// That is a little more than its corners: the test rounds them, by up to 2^-23 of the triangle's extent across the
+    /// ray. And it makes every box contain its faces beyond doubt, so that a ray which runs in one enters it.
+    #[inline(always)]
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        let (low, high) = (self.v0.min(self.v1).min(self.v2), self.v0.max(self.v1).max(self.v2));
+        padded(low, high, self.extent)
     }
 
     /// Where the ray meets the triangle, from either side, whatever the ray's `t_min` and `t_max`.

@@ -84,6 +84,15 @@ pub struct Node {
     pub unused: [u32; 2],
 }
 
+impl Node {
+    /// Whether there is a child on a side.
+    #[inline(always)]
+    pub fn has_child(&self, side: usize) -> bool {
+        let (low, high) = (self.low[side], self.high[side]);
+        low.x <= high.x && low.y <= high.y && low.z <= high.z
+    }
+}
+
 /// The tree. Node 0 is the root; there always is one.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]

@@ -54,6 +54,8 @@ pub trait Visitor {
 
 /// What traversal did, if anyone wants to know: [`Uncounted`] costs nothing.
 pub trait Counter: Copy + Default {
+    /// Whether anything is kept.
+    const COUNTS: bool;
     /// A node was visited.
     fn node(&mut self);
     /// A triangle was tested.
@@ -69,6 +71,7 @@ pub trait Counter: Copy + Default {
 pub struct Uncounted;
 
 impl Counter for Uncounted {
+    const COUNTS: bool = false;
     #[inline(always)]
     fn node(&mut self) {}
     #[inline(always)]
@@ -94,6 +97,7 @@ pub struct Tests {
 }
 
 impl Counter for Tests {
+    const COUNTS: bool = true;
     #[inline(always)]
     fn node(&mut self) {
         self.nodes += 1;

@@ -1,10 +1,8 @@
 //! Axis-aligned boxes.
 
 use raywarp_kernels::math::Vec3;
-use raywarp_kernels::triangle::Triangle;
-
-/// What a box leaves around a triangle, in units of its extent.
-pub(super) const MARGIN: f32 = 4.0 / 16_777_216.0;
+pub(super) use raywarp_kernels::triangle::MARGIN;
+use raywarp_kernels::triangle::{padded, Triangle};
 
 /// From `low` to `high`, both included.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,22 +21,16 @@ impl Bounds {
     /// Of every finite point.
     pub const ALL: Self = Self { low: [-f32::MAX; 3], high: [f32::MAX; 3] };
 
-    /// Around every point where a ray may be found to hit the triangle; finite, whatever the triangle.
-    ///
-    /// That is a little more than the corners: the test rounds them, by up to 2^-23 of the triangle's extent across the
-    /// ray. And it makes every box contain its faces beyond doubt, so that a ray which runs in one enters it.
+    /// See [`Triangle::bounds`].
     pub fn of(triangle: &Triangle) -> Self {
-        let Self { low, high } = Self::of_corners(triangle);
-        Self::padded(low, high, triangle.extent)
+        let (low, high) = triangle.bounds();
+        Self { low: low.to_array(), high: high.to_array() }
     }
 
     /// With the margin for a triangle of some extent, all or part of which is between two corners.
     pub fn padded(low: [f32; 3], high: [f32; 3], extent: f32) -> Self {
-        let margin = extent * MARGIN;
-        Self {
-            low: low.map(|x| (x - margin).min(x.next_down()).max(-f32::MAX)),
-            high: high.map(|x| (x + margin).max(x.next_up()).min(f32::MAX)),
-        }
+        let (low, high) = padded(low.into(), high.into(), extent);
+        Self { low: low.to_array(), high: high.to_array() }
     }
 
     /// Around the corners, without any margin.

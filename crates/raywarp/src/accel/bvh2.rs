@@ -122,11 +122,7 @@ impl Bvh2 {
 
 /// The sides on which a node has a child.
 pub(super) fn children_of(node: &Node) -> impl Iterator<Item = usize> + '_ {
-    (0..2).filter(|&side| has_child(node, side))
-}
-
-fn has_child(node: &Node, side: usize) -> bool {
-    (0..3).all(|axis| node.low[side][axis] <= node.high[side][axis])
+    (0..2).filter(|&side| node.has_child(side))
 }
 
 pub(super) fn child_box(node: &Node, side: usize) -> Bounds {
@@ -179,7 +175,7 @@ impl Walk<'_> {
         for side in 0..2 {
             let child = node.children[side];
             self.in_range(index, child)?;
-            match (has_child(node, side), child.is_leaf()) {
+            match (node.has_child(side), child.is_leaf()) {
                 (false, true) => continue,
                 (false, false) => return Err(Invalid::NoBox { node: index }),
                 (true, _) => {}

@@ -53,6 +53,33 @@ impl<T: Plain> Buffer<T> {
         self.len as u64 * std::mem::size_of::<T>() as u64
     }
 
+    /// Writes items from `first` on. They fit.
+    pub(crate) fn write(&mut self, first: usize, items: &[T]) -> Result<(), DeviceError> {
+        match &mut self.storage {
+            Storage::Host(all) => {
+                all[first..first + items.len()].copy_from_slice(items);
+                Ok(())
+            }
+            Storage::Cuda(buffer) => buffer.write(first, items),
+        }
+    }
+
+    /// The items, where they are on the host.
+    pub(super) fn host_items(&self) -> &[T] {
+        match &self.storage {
+            Storage::Host(items) => items,
+            Storage::Cuda(_) => &[],
+        }
+    }
+
+    /// The items, where they are on a CUDA device.
+    pub(super) fn on_cuda(&self) -> Option<&CudaBuffer<T>> {
+        match &self.storage {
+            Storage::Host(_) => None,
+            Storage::Cuda(buffer) => Some(buffer),
+        }
+    }
+
     /// Whether the items are in the memory of this device.
     pub(super) fn is_on(&self, machine: &Machine) -> bool {
         match (&self.storage, machine) {

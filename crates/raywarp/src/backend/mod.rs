@@ -10,6 +10,7 @@ mod cuda;
 mod error;
 mod kernel_info;
 mod pace;
+mod staging;
 mod stream;
 mod survey;
 
@@ -21,6 +22,7 @@ pub use choice::{DeviceChoice, ParseDeviceError};
 pub use error::DeviceError;
 pub use kernel_info::KernelInfo;
 pub(crate) use pace::Pace;
+pub use staging::Staging;
 pub(crate) use stream::Launch;
 pub use stream::Stream;
 pub use survey::{survey, DeviceInfo, DriverInfo, PtxInfo, Survey};

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use raywarp_kernels::display::{curve, Tone};
+
 /// How radiance becomes a displayed colour. EXR files hold the radiance itself and ignore this.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Development {
@@ -25,13 +27,6 @@ pub enum ToneMap {
 impl ToneMap {
     /// Every curve.
     pub const ALL: [Self; 2] = [Self::Clamp, Self::Filmic];
-
-    fn apply(self, x: f32) -> f32 {
-        match self {
-            Self::Clamp => x,
-            Self::Filmic => (x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14),
-        }
-    }
 }
 
 impl fmt::Display for ToneMap {
@@ -52,37 +47,14 @@ impl FromStr for ToneMap {
     }
 }
 
-/// Shown for radiance that is no number: seen at once.
-const NOT_A_NUMBER: [u8; 3] = [255, 0, 255];
-
 impl Development {
-    /// The displayed colour of a radiance. Infinite radiance is white, NaN magenta.
-    pub(super) fn develop(&self, radiance: [f32; 3]) -> [u8; 3] {
-        if radiance.iter().any(|channel| channel.is_nan()) {
-            return NOT_A_NUMBER;
-        }
-        let gain = self.exposure.exp2();
-        // Beyond this every curve is flat, and infinities would make NaN of the filmic one.
-        radiance.map(|channel| srgb_byte(self.tone_map.apply((channel * gain).clamp(0.0, 1e6))))
-    }
-}
-
-/// The byte of a display-linear value, rounded.
-pub(super) fn srgb_byte(linear: f32) -> u8 {
-    byte(linear_to_srgb(linear.clamp(0.0, 1.0)))
-}
-
-/// A share from 0 to 1 as a byte, rounded.
-pub(super) fn byte(share: f32) -> u8 {
-    (255.0 * share.clamp(0.0, 1.0)).round() as u8
-}
-
-/// IEC 61966-2-1, for values from 0 to 1.
-fn linear_to_srgb(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 {
-        12.92 * linear
-    } else {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    /// As the kernels take it.
+    pub(crate) fn tone(&self) -> Tone {
+        let curve = match self.tone_map {
+            ToneMap::Clamp => curve::CLAMP,
+            ToneMap::Filmic => curve::FILMIC,
+        };
+        Tone { gain: self.exposure.exp2(), curve }
     }
 }
 
@@ -106,7 +78,13 @@ pub(crate) fn srgb_to_linear_precise(encoded: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use raywarp_kernels::display::srgb_byte;
+
     use super::*;
+
+    fn color(development: &Development, radiance: [f32; 3]) -> [u8; 3] {
+        development.tone().color(radiance.into())
+    }
 
     #[test]
     fn every_byte_survives_the_way_to_linear_and_back() {
@@ -119,16 +97,16 @@ mod tests {
     fn one_stop_doubles() {
         let stop = Development { exposure: 1.0, ..Development::default() };
         let plain = Development::default();
-        assert_eq!(stop.develop([0.1, 0.2, 0.3]), plain.develop([0.2, 0.4, 0.6]));
+        assert_eq!(color(&stop, [0.1, 0.2, 0.3]), color(&plain, [0.2, 0.4, 0.6]));
     }
 
     #[test]
     fn strange_radiance_has_a_colour() {
         for tone_map in ToneMap::ALL {
             let development = Development { exposure: 0.0, tone_map };
-            assert_eq!(development.develop([f32::INFINITY; 3]), [255; 3]);
-            assert_eq!(development.develop([f32::NEG_INFINITY; 3]), [0; 3]);
-            assert_eq!(development.develop([0.0, f32::NAN, 0.0]), NOT_A_NUMBER);
+            assert_eq!(color(&development, [f32::INFINITY; 3]), [255; 3]);
+            assert_eq!(color(&development, [f32::NEG_INFINITY; 3]), [0; 3]);
+            assert_eq!(color(&development, [0.0, f32::NAN, 0.0]), [255, 0, 255]);
         }
     }
 }

@@ -1,14 +1,11 @@
 //! Layers as pictures to look at.
 
+use raywarp_kernels::display::byte;
+use raywarp_kernels::false_color::{self as colors, is_miss, NOTHING};
 use raywarp_kernels::kernels::Surfel;
 use raywarp_kernels::math::Vec3;
-use raywarp_kernels::sample::combine;
 
-use super::color::{byte, srgb_byte};
 use super::{heatmap, ImageError, Layer, Layers, Rgb8};
-
-/// Shown where the camera ray meets nothing.
-const NOTHING: [u8; 3] = [0; 3];
 
 /// A layer as a picture, and what its colours mean.
 ///
@@ -22,32 +19,25 @@ pub fn draw(layers: &Layers, layer: Layer) -> Result<(Rgb8, String), ImageError>
     Ok(match layer {
         Layer::Depth => {
             let range = Range::of(seen().map(|surfel| surfel.depth));
-            let picture = paint(layers, |s| [byte(1.0 - 0.85 * range.share(s.depth)); 3]);
+            let picture = paint(layers, |s| colors::depth(range.share(s.depth)));
             (picture, format!("white is {}, dark grey {} scene units away", range.low, range.high))
         }
-        Layer::Normal => {
-            let channel = |x: f32| byte(0.5 * x + 0.5);
-            (paint(layers, |s| s.normal.to_array().map(channel)), "0.5 n + 0.5: grey is 0, full is +1".to_owned())
-        }
-        Layer::Albedo => (paint(layers, |s| s.albedo.to_array().map(srgb_byte)), "diffuse colour, sRGB".to_owned()),
+        Layer::Normal => (paint(layers, |s| colors::normal(s.normal)), "0.5 n + 0.5: grey is 0, full is +1".to_owned()),
+        Layer::Albedo => (paint(layers, |s| colors::albedo(s.albedo)), "diffuse colour, sRGB".to_owned()),
         Layer::Uv => {
             let channel = |x: f32| byte(x - x.floor());
             let picture = paint(layers, |s| [channel(s.uv[0]), channel(s.uv[1]), 0]);
             (picture, "fractional part of u is red, of v is green".to_owned())
         }
         Layer::Position => position(layers),
-        Layer::Primitive => (paint(layers, |s| id_color(s.primitive)), "a colour for each triangle".to_owned()),
-        Layer::Material => (paint(layers, |s| id_color(s.material)), "a colour for each material".to_owned()),
+        Layer::Primitive => (paint(layers, |s| colors::index(s.primitive)), "a colour for each triangle".to_owned()),
+        Layer::Material => (paint(layers, |s| colors::index(s.material)), "a colour for each material".to_owned()),
         Layer::Tests => {
             let tests = layers.tests.as_deref().ok_or(ImageError::NoLayer(layer))?;
             let (picture, scale) = heatmap::draw(layers.width, layers.height, tests, None);
             (picture, scale.to_string())
         }
     })
-}
-
-fn is_miss(surfel: &Surfel) -> bool {
-    surfel.primitive == Surfel::NONE.primitive
 }
 
 fn paint(layers: &Layers, color: impl Fn(&Surfel) -> [u8; 3]) -> Rgb8 {
@@ -84,12 +74,7 @@ impl Range {
     }
 
     fn share(&self, value: f32) -> f32 {
-        let extent = self.high - self.low;
-        if extent > 0.0 {
-            (value - self.low) / extent
-        } else {
-            0.0
-        }
+        colors::share(value, self.low, self.high)
     }
 }
 
@@ -97,10 +82,4 @@ impl std::fmt::Display for Range {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} to {}", self.low, self.high)
     }
-}
-
-/// A colour that neighbouring indices do not share, never near black.
-fn id_color(index: u32) -> [u8; 3] {
-    let bits = combine(0x9e37_79b9, index);
-    [bits, bits >> 8, bits >> 16].map(|channel| 64 + (channel & 0xff) as u8 / 4 * 3)
 }

@@ -2,12 +2,15 @@
 
 use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use ::image::{ExtendedColorType, ImageEncoder};
+use rayon::prelude::*;
+use raywarp_kernels::math::Vec3;
 
 use super::{Development, Format, ImageError, Picture, Rgb8};
 
 /// Exposes, tone-maps and encodes a picture as a screen shows it.
 pub fn develop(picture: &Picture, development: &Development) -> Rgb8 {
-    let pixels = picture.pixels.iter().map(|&[r, g, b, _]| development.develop([r, g, b])).collect();
+    let tone = development.tone();
+    let pixels = picture.pixels.par_iter().map(|&[r, g, b, _]| tone.color(Vec3::new(r, g, b))).collect();
     Rgb8 { width: picture.width, height: picture.height, pixels }
 }
 

@@ -19,13 +19,33 @@ pub(crate) struct Flat {
     pub tangents: Vec<[f32; 4]>,
     pub primitives: Vec<Primitive>,
     pub triangles: Vec<Triangle>,
+    /// Of each instance.
+    pub places: Vec<Place>,
+}
+
+/// Where an instance is among the vertices and primitives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    pub first_vertex: usize,
+    pub vertices: usize,
+    pub first_primitive: u32,
+    /// Its triangles turn round.
+    pub mirrored: bool,
 }
 
 impl Flat {
     /// # Errors
     /// [`RenderError::Scene`] for an index out of range.
     pub fn of(scene: &Scene) -> Result<Self, RenderError> {
-        let placed = || scene.instances.iter().filter_map(|instance| scene.meshes.get(instance.mesh));
+        Self::with(scene, &scene.instances, &scene.materials)
+    }
+
+    /// With these instances and materials instead of the scene's own.
+    ///
+    /// # Errors
+    /// As for [`of`](Self::of).
+    pub fn with(scene: &Scene, instances: &[Instance], materials: &[Material]) -> Result<Self, RenderError> {
+        let placed = || instances.iter().filter_map(|instance| scene.meshes.get(instance.mesh));
         let with_uvs = placed().any(|mesh| !mesh.uvs.is_empty());
         let with_colors = placed().any(|mesh| !mesh.colors.is_empty());
         let with_tangents = placed().any(|mesh| !mesh.tangents.is_empty());
@@ -33,13 +53,19 @@ impl Flat {
         if let Some(&len) = totals.iter().find(|&&len| u32::try_from(len).is_err()) {
             return Err(DeviceError::TooMany { len }.into());
         }
-        let triangle_flags: Vec<u32> = scene.materials.iter().map(flags_of).collect();
+        let triangle_flags: Vec<u32> = materials.iter().map(flags_of).collect();
 
         let mut flat = Self::default();
-        for instance in &scene.instances {
+        for instance in instances {
             let mesh = check_instance(scene, instance)?;
             check_mesh(scene, instance, mesh)?;
             let first = flat.positions.len() as u32;
+            flat.places.push(Place {
+                first_vertex: flat.positions.len(),
+                vertices: mesh.positions.len(),
+                first_primitive: flat.primitives.len() as u32,
+                mirrored: is_mirrored(instance),
+            });
             flat.place(mesh, instance);
             pad(&mut flat.uvs, &mesh.uvs, mesh, with_uvs, [0.0; 2]);
             pad(&mut flat.colors, &mesh.colors, mesh, with_colors, [1.0; 4]);
@@ -52,7 +78,7 @@ impl Flat {
     }
 
     /// Adds positions, normals and tangents in world space.
-    fn place(&mut self, mesh: &Mesh, instance: &Instance) {
+    pub fn place(&mut self, mesh: &Mesh, instance: &Instance) {
         let linear = Mat3::from_cols_array_2d(&instance.transform.columns);
         let shift = Vec3::from(instance.transform.translation);
         let world = |v: Vec3| math::Vec3::from(v.to_array());
@@ -74,7 +100,7 @@ impl Flat {
 
     fn add_triangles(&mut self, mesh: &Mesh, instance: &Instance, first: u32, triangle_flags: &[u32]) {
         // A mirrored instance turns outside in, unless its triangles turn round too.
-        let mirrored = Mat3::from_cols_array_2d(&instance.transform.columns).determinant() < 0.0;
+        let mirrored = is_mirrored(instance);
         self.primitives.reserve(mesh.triangles.len());
         self.triangles.reserve(mesh.triangles.len());
         for (&[a, b, c], &material) in mesh.triangles.iter().zip(&mesh.materials) {
@@ -87,6 +113,11 @@ impl Flat {
             self.triangles.push(Triangle::new(v0, v1, v2, index, triangle_flags[material as usize]));
         }
     }
+}
+
+/// Whether an instance's transform turns left into right.
+pub(super) fn is_mirrored(instance: &Instance) -> bool {
+    Mat3::from_cols_array_2d(&instance.transform.columns).determinant() < 0.0
 }
 
 /// Rows of cross products: `det(m) * inverse(m)^T`.

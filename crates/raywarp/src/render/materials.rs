@@ -13,16 +13,16 @@ pub(super) struct Surfaces {
 }
 
 /// All materials of a scene.
-pub(super) fn ready(scene: &Scene) -> Surfaces {
+pub(super) fn ready(materials: &[scene::Material], images: &[Image]) -> Surfaces {
     let mut first = 0;
-    let places = scene.images.iter().map(|image| {
+    let places = images.iter().map(|image| {
         let whole = image.texels.len() as u64 == image.width as u64 * image.height as u64;
         let place = Place { first, width: image.width, height: image.height, whole };
         first += image.texels.len() as u32;
         place
     });
     let mut list = List { places: places.collect(), textures: Vec::new() };
-    let materials = scene.materials.iter().map(|m| list.material(m)).collect();
+    let materials = materials.iter().map(|m| list.material(m)).collect();
     Surfaces { materials, textures: list.textures }
 }
 

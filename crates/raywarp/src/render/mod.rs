@@ -2,13 +2,16 @@
 
 mod bands;
 pub(crate) mod camera;
+mod changes;
 mod error;
+mod film;
 pub(crate) mod flatten;
 mod lighting;
 mod materials;
 mod options;
 mod passes;
 mod resident;
+mod structure;
 
 use std::time::Instant;
 
@@ -18,29 +21,40 @@ use raywarp_kernels::shade::whitted::Limits;
 use raywarp_kernels::traverse::Tests;
 use raywarp_kernels::view::ViewMut;
 
-use crate::accel::{cache, sift, Build, Dropped, Resident, TreeStats};
+use crate::accel::{sift, Build, Dropped, TreeStats};
 use crate::backend::{Buffer, Device};
 use crate::image::Picture;
 use crate::scene::{Camera, Scene};
 use crate::Triangle;
 use bands::Bands;
+use changes::Levels;
 pub(crate) use flatten::Flat;
+use flatten::Place;
 use lighting::Lighting;
 use options::Window;
 use resident::ResidentScene;
 
+pub use changes::world_triangles;
 pub use error::RenderError;
+pub use film::{Exposure, Film, Painted, Quantity};
 pub(crate) use flatten::{check_instance, check_mesh, flags_of};
 pub use options::{RenderOptions, MAX_DEPTH, MAX_SIDE, MAX_SPP};
+pub use structure::Structure;
 
 /// A scene on a device, ready to be traced from any camera.
 pub struct Tracer {
     device: Device,
     scene: ResidentScene,
-    structure: Resident,
+    structure: Structure,
     lighting: Lighting,
     camera: Camera,
     report: Report,
+    /// Where the instances are among vertices and primitives.
+    places: Vec<Place>,
+    /// Of the triangles of each material.
+    flags: Vec<u32>,
+    /// Of the structure, once something has moved.
+    levels: Option<Levels>,
 }
 
 /// The scene's first camera, or one that sees all of these triangles of it from the front, right and above.
@@ -110,39 +124,45 @@ impl Tracer {
         let (triangles, dropped) = sift(std::mem::take(&mut flat.triangles));
         let flatten_seconds = start.elapsed().as_secs_f64();
 
-        let start = Instant::now();
         let count = triangles.len();
         let bounds = flatten::bounds(&triangles);
-        let built = cache::build(accel.into(), triangles)?;
-        let tree = built.accel;
-        let build_seconds = start.elapsed().as_secs_f64();
+        let (tree, built) = Structure::arrange(accel.into(), triangles)?;
+        let estimate = ResidentScene::bytes(&flat, scene) + built.stats.bytes as u64;
+        device.reserve(estimate, "the scene")?;
 
         let start = Instant::now();
-        let stats = tree.stats();
-        let estimate = ResidentScene::bytes(&flat, scene) + stats.bytes as u64;
-        device.reserve(estimate, "the scene")?;
         let resident = ResidentScene::upload(device, &flat, scene)?;
-        let structure = Resident::upload(device, &tree)?;
+        let structure = built.upload(device, &tree)?;
         let upload_seconds = start.elapsed().as_secs_f64();
 
         let lighting = Lighting::of(scene);
         let (camera, framed) = camera::default_camera(scene, bounds);
         let mut notes = lighting.notes.clone();
         notes.extend(framed);
-        notes.extend(built.warning.map(|warning| warning.to_string()));
+        notes.extend(structure.warning.clone());
         let report = Report {
             triangles: count,
             dropped,
             vertices: flat.positions.len(),
             bounds,
-            tree: stats,
+            tree: structure.stats,
             device_bytes: estimate,
             flatten_seconds,
-            build_seconds,
+            build_seconds: structure.build_seconds,
             upload_seconds,
             notes,
         };
-        Ok(Self { device: device.clone(), scene: resident, structure, lighting, camera, report })
+        Ok(Self {
+            device: device.clone(),
+            scene: resident,
+            structure,
+            lighting,
+            camera,
+            report,
+            places: flat.places,
+            flags: scene.materials.iter().map(flags_of).collect(),
+            levels: None,
+        })
     }
 
     /// What became of the scene.
@@ -190,8 +210,15 @@ impl Tracer {
                 seed: options.seed,
             };
             let limits = Limits { depth: options.max_depth, shadows: options.shadows as u32 };
-            let pass = passes::Pass { scene, frame, limits, film: film.view_mut(), tests: tests.view_mut() };
-            let seconds = passes::shade(&self.device, &self.structure, &pass)?;
+            let pass = passes::Pass {
+                scene,
+                frame,
+                limits,
+                film: film.view_mut(),
+                tests: tests.view_mut(),
+                ticks: ViewMut::EMPTY,
+            };
+            let seconds = passes::shade(&self.device, &self.structure.resident, &pass)?;
             kernel_seconds += seconds;
             launches += 1;
             bands.took(seconds);
@@ -222,8 +249,9 @@ impl Tracer {
             limits: Limits { depth: 0, shadows: 0 },
             film: ViewMut::EMPTY,
             tests: ViewMut::EMPTY,
+            ticks: ViewMut::EMPTY,
         };
-        passes::surfels(&self.device, &self.structure, &pass, surfels.view_mut())?;
+        passes::surfels(&self.device, &self.structure.resident, &pass, surfels.view_mut())?;
         Ok(surfels.download()?)
     }
 }
@@ -247,13 +275,8 @@ fn finish(
 }
 
 fn mean(pixel: &Pixel, samples: f32, non_finite: &mut u64) -> [f32; 4] {
-    let [r, g, b] = pixel.radiance.to_array().map(|sum| sum / samples);
-    let finite = r.is_finite() && g.is_finite() && b.is_finite();
-    *non_finite += !finite as u64;
-    let coverage = pixel.hits / samples;
-    if finite {
-        [r, g, b, coverage]
-    } else {
-        [0.0, 0.0, 0.0, coverage]
-    }
+    let mean = pixel.mean(samples);
+    *non_finite += mean.is_none() as u64;
+    let [r, g, b] = mean.map_or([0.0; 3], |mean| mean.to_array());
+    [r, g, b, pixel.hits / samples]
 }

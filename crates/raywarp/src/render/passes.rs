@@ -21,6 +21,8 @@ pub(super) struct Pass {
     pub film: ViewMut<Pixel>,
     /// Empty: nobody counts.
     pub tests: ViewMut<Tests>,
+    /// Time of each pixel's thread, where tests are counted.
+    pub ticks: ViewMut<u32>,
 }
 
 /// Adds the samples of a pass to the film; returns the seconds on the device.
@@ -43,8 +45,8 @@ pub(super) fn surfels(
 }
 
 fn whitted<S: Structure, C>(structure: S, pass: &Pass) -> Whitted<S, C> {
-    let Pass { scene, frame, limits, film, tests } = *pass;
-    Whitted { structure, scene, frame, limits, film, tests, counter: PhantomData }
+    let Pass { scene, frame, limits, film, tests, ticks } = *pass;
+    Whitted { structure, scene, frame, limits, film, tests, ticks, counter: PhantomData }
 }
 
 fn run(device: &Device, pass: &Pass, kernel: &impl Kernel) -> Result<f64, DeviceError> {

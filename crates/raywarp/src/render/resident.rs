@@ -5,12 +5,13 @@ use raywarp_kernels::material::Material;
 use raywarp_kernels::math::Vec3;
 use raywarp_kernels::surface::{self, Primitive};
 use raywarp_kernels::texture::{Texture, Textures};
+use raywarp_kernels::view::View;
 
 use super::flatten::Flat;
 use super::lighting::Lighting;
 use super::materials::{self, Surfaces};
 use crate::backend::{Buffer, Device, DeviceError};
-use crate::scene::Scene;
+use crate::scene::{self, Image, Scene};
 
 /// What shading reads.
 pub(super) struct ResidentScene {
@@ -35,7 +36,7 @@ impl ResidentScene {
     }
 
     pub fn upload(device: &Device, flat: &Flat, scene: &Scene) -> Result<Self, DeviceError> {
-        let Surfaces { materials, textures } = materials::ready(scene);
+        let Surfaces { materials, textures } = materials::ready(&scene.materials, &scene.images);
         Ok(Self {
             primitives: device.upload(&flat.primitives)?,
             positions: device.upload(&flat.positions)?,
@@ -48,6 +49,36 @@ impl ResidentScene {
             texels: device.upload(&materials::texels(scene))?,
             decode: device.upload(&materials::srgb_table())?,
         })
+    }
+
+    /// Takes over other materials of the same images.
+    pub fn set_materials(
+        &mut self,
+        device: &Device,
+        materials: &[scene::Material],
+        images: &[Image],
+    ) -> Result<(), DeviceError> {
+        let Surfaces { materials, textures } = materials::ready(materials, images);
+        (self.materials, self.textures) = (device.upload(&materials)?, device.upload(&textures)?);
+        Ok(())
+    }
+
+    /// Takes over vertices from `first` on.
+    pub fn move_vertices(&mut self, first: usize, flat: &Flat) -> Result<(), DeviceError> {
+        self.positions.write(first, &flat.positions)?;
+        self.normals.write(first, &flat.normals)?;
+        if self.tangents.is_empty() || flat.tangents.is_empty() {
+            return Ok(());
+        }
+        self.tangents.write(first, &flat.tangents)
+    }
+
+    pub fn primitives(&self) -> View<Primitive> {
+        self.primitives.view()
+    }
+
+    pub fn positions(&self) -> View<Vec3> {
+        self.positions.view()
     }
 
     pub fn view(&self, lights: &Buffer<Light>, lighting: &Lighting) -> surface::Scene {

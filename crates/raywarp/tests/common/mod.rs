@@ -3,6 +3,7 @@
 #![allow(dead_code)] // Each test uses its share.
 
 use raywarp::accel::{Accel, AccelKind, Build, Quality};
+use raywarp::backend::{Device, DeviceChoice};
 use raywarp_kernels::math::{vec3, Vec3};
 use raywarp_kernels::ray::Ray;
 use raywarp_kernels::triangle::Triangle;
@@ -159,4 +160,12 @@ pub fn every_structure(triangles: &[Triangle]) -> Vec<Accel> {
     let fast = Build { kind: AccelKind::Bvh2, quality: Quality::Fast, cached: false };
     let kinds = AccelKind::ALL.map(Build::from).into_iter().chain(others).chain([fast]);
     kinds.map(|what| Accel::build(what, triangles.to_vec()).expect("few triangles")).collect()
+}
+
+/// The CPU, and the device that `RAYWARP_TEST_DEVICE` names.
+pub fn devices() -> Vec<Device> {
+    let named = std::env::var("RAYWARP_TEST_DEVICE").ok();
+    let choices =
+        [Some(DeviceChoice::Cpu), named.map(|name| name.parse().expect("RAYWARP_TEST_DEVICE names a device"))];
+    choices.into_iter().flatten().map(|choice| Device::open(choice).expect("the device under test opens")).collect()
 }

@@ -6,7 +6,10 @@ use std::marker::PhantomData;
 use cudarc::driver::{CudaSlice, DevicePtr};
 use raywarp_kernels::view::Plain;
 
-use super::{Cuda, DeviceError};
+use super::{Cuda, DeviceError, Pinned};
+
+/// Bytes that are copied at once: a frame that another thread wants comes between two parts of a large scene.
+const PART: usize = 8 << 20;
 
 /// Bytes on the device that hold items of `T`.
 pub(in crate::backend) struct CudaBuffer<T> {
@@ -23,17 +26,37 @@ impl<T> fmt::Debug for CudaBuffer<T> {
 
 impl<T: Plain> CudaBuffer<T> {
     pub fn upload(gpu: &Cuda, items: &[T]) -> Result<Self, DeviceError> {
+        let mut buffer = Self::zeroed(gpu, items.len())?;
+        buffer.write(0, items)?;
+        Ok(buffer)
+    }
+
+    /// Copies items to the place from `first` on; they fit.
+    pub fn write(&mut self, first: usize, items: &[T]) -> Result<(), DeviceError> {
+        let failed = |error| self.gpu.failed("took data", error);
         let size = std::mem::size_of_val(items);
         // SAFETY: `Plain` items are bytes without padding.
         let source = unsafe { std::slice::from_raw_parts(items.as_ptr().cast::<u8>(), size) };
-        let mut buffer = Self::zeroed(gpu, items.len())?;
-        if size > 0 {
-            let target = &mut buffer.bytes.slice_mut(..size);
-            gpu.stream().memcpy_htod(source, target).map_err(|e| gpu.failed("took data", e))?;
+        let stream = self.gpu.stream();
+        let mut at = first * std::mem::size_of::<T>();
+        for part in source.chunks(PART) {
+            stream.memcpy_htod(part, &mut self.bytes.slice_mut(at..at + part.len())).map_err(failed)?;
             // The copy reads `items` until the stream gets there.
-            gpu.stream().synchronize().map_err(|e| gpu.failed("took data", e))?;
+            stream.synchronize().map_err(failed)?;
+            at += part.len();
         }
-        Ok(buffer)
+        Ok(())
+    }
+
+    /// Copies all items to the host.
+    pub fn read(&self, target: &mut Pinned<T>) -> Result<(), DeviceError> {
+        let failed = |error| self.gpu.failed("gave data back", error);
+        let raw = target.bytes_mut();
+        if raw.is_empty() {
+            return Ok(());
+        }
+        self.gpu.stream().memcpy_dtoh(&self.bytes.slice(..raw.len()), raw).map_err(failed)?;
+        self.gpu.stream().synchronize().map_err(failed)
     }
 
     pub fn zeroed(gpu: &Cuda, items: usize) -> Result<Self, DeviceError> {

@@ -1,6 +1,7 @@
 //! CUDA devices, through the driver alone: `libcuda` is loaded at run time, the kernels come as PTX.
 
 mod buffer;
+mod pinned;
 mod ptx;
 mod stream;
 
@@ -14,6 +15,7 @@ use raywarp_kernels::kernels::Kernel;
 
 use super::{DeviceError, DeviceInfo, KernelInfo};
 pub(super) use buffer::CudaBuffer;
+pub(super) use pinned::Pinned;
 pub(super) use ptx::info as ptx_info;
 pub(super) use stream::{CudaLaunch, Stream};
 
@@ -154,8 +156,8 @@ impl Cuda {
     /// Loads a kernel the first time that it is needed: the driver compiles PTX when it loads it, which takes a moment
     /// unless its own cache has it.
     pub fn function(&self, name: &'static str) -> Result<CudaFunction, DeviceError> {
-        let mut kernels = self.shared.kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(function) = kernels.get(name) {
+        let kernels = || self.shared.kernels.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(function) = kernels().get(name) {
             return Ok(function.clone());
         }
         let refused = |reason: String| DeviceError::Ptx {
@@ -167,8 +169,8 @@ impl Cuda {
         let source = ptx::source(name).ok_or_else(|| refused("it is not among the kernels".to_owned()))?;
         let module = self.context().load_module(Ptx::from_src(source)).map_err(|e| refused(explain(e)))?;
         let function = module.load_function(name).map_err(|e| refused(explain(e)))?;
-        kernels.insert(name, function.clone());
-        Ok(function)
+        // Not locked meanwhile: others go on with the kernels that they have. If two load the same, the first one stays.
+        Ok(kernels().entry(name).or_insert(function).clone())
     }
 }
 

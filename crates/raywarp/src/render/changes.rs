@@ -1,0 +1,145 @@
+//! Changes to a scene that is on its device: lights, materials and places of instances, without a new tree.
+
+use raywarp_kernels::math::Vec3;
+use raywarp_kernels::refit::{Refit, Reshape};
+use raywarp_kernels::traverse::bvh2::Node;
+
+use super::flatten::{self, Flat};
+use super::lighting::Lighting;
+use super::{RenderError, Structure, Tracer};
+use crate::accel::{sift, Resident};
+use crate::backend::{Buffer, Device};
+use crate::scene::{Image, Instance, Material, Scene};
+use crate::Triangle;
+
+/// The triangles of a scene in world space that can be hit, with other instances and materials than its own: what
+/// [`Structure::build`] arranges.
+///
+/// # Errors
+/// [`RenderError::Scene`] for an index out of range.
+pub fn world_triangles(
+    scene: &Scene,
+    instances: &[Instance],
+    materials: &[Material],
+) -> Result<Vec<Triangle>, RenderError> {
+    Ok(sift(Flat::with(scene, instances, materials)?.triangles).0)
+}
+
+impl Tracer {
+    /// Traces through another structure from now on, of the same triangles; returns the one before.
+    pub fn replace(&mut self, structure: Structure) -> Structure {
+        (self.report.tree, self.levels) = (structure.stats, None);
+        std::mem::replace(&mut self.structure, structure)
+    }
+
+    /// Which structure is traced.
+    pub fn structure(&self) -> &Structure {
+        &self.structure
+    }
+
+    /// Takes over the lights, the background and the ambient light of a scene; nothing else of it is looked at but
+    /// whether materials glow.
+    pub fn set_lights(&mut self, scene: &Scene) {
+        self.lighting = Lighting::of(scene);
+    }
+
+    /// Takes over materials, as many as there were, with the scene's own images. Returns whether that is all: `false` if
+    /// the structure must be built anew, as it knows which triangles let light through, and is none that can be changed.
+    ///
+    /// # Errors
+    /// [`RenderError`] for another number of materials, or where the device fails.
+    pub fn set_materials(&mut self, materials: &[Material], images: &[Image]) -> Result<bool, RenderError> {
+        if materials.len() != self.flags.len() {
+            return Err(RenderError::Scene { mesh: "the changed scene".to_owned(), part: "the number of materials" });
+        }
+        self.scene.set_materials(&self.device, materials, images)?;
+        let flags: Vec<u32> = materials.iter().map(flatten::flags_of).collect();
+        if flags == self.flags {
+            return Ok(true);
+        }
+        self.flags = flags;
+        self.reshape([0, u32::MAX])
+    }
+
+    /// Moves an instance to where `instances`, the scene's own but for transforms, has it. Returns whether that is all:
+    /// `false` if a new tracer must be made, because the structure is not a `bvh2` or the instance is mirrored now.
+    ///
+    /// Boxes are refitted: the picture is that of a new tree, which is worth building once the instance rests.
+    ///
+    /// # Errors
+    /// [`RenderError`] for an instance that the scene does not have, or where the device fails.
+    pub fn move_instance(&mut self, scene: &Scene, instances: &[Instance], index: usize) -> Result<bool, RenderError> {
+        let missing = || RenderError::Scene { mesh: format!("instance {index}"), part: "the index" };
+        let (instance, place) =
+            (instances.get(index).ok_or_else(missing)?, *self.places.get(index).ok_or_else(missing)?);
+        let mesh = flatten::check_instance(scene, instance)?;
+        if mesh.positions.len() != place.vertices {
+            return Err(RenderError::Scene { mesh: format!("instance {index}"), part: "the number of vertices" });
+        }
+        if flatten::is_mirrored(instance) != place.mirrored || !matches!(self.structure.resident, Resident::Bvh2 { .. })
+        {
+            return Ok(false);
+        }
+        let mut flat = Flat::default();
+        flat.place(mesh, instance);
+        self.scene.move_vertices(place.first_vertex, &flat)?;
+        if let Resident::Bvh2 { reach, .. } = &mut self.structure.resident {
+            // Rounding errors are bounded by the farthest box: a bound too large is safe.
+            let far = |v: &Vec3| [v.x, v.y, v.z].map(|x| (x.abs() * (1.0 + 1e-6)).next_up());
+            let farthest =
+                flat.positions.iter().map(far).fold(reach.to_array(), |a, b| [0, 1, 2].map(|i| a[i].max(b[i])));
+            *reach = farthest.into();
+        }
+        self.reshape([place.first_primitive, place.first_primitive + mesh.triangles.len() as u32])
+    }
+
+    /// Brings the tree's triangles of some primitives up to date, and all boxes.
+    fn reshape(&mut self, moved: [u32; 2]) -> Result<bool, RenderError> {
+        let Resident::Bvh2 { nodes, triangles, .. } = &mut self.structure.resident else { return Ok(false) };
+        let flags = self.device.upload(&self.flags)?;
+        let reshape = Reshape {
+            primitives: self.scene.primitives(),
+            positions: self.scene.positions(),
+            flags: flags.view(),
+            moved,
+            triangles: triangles.view_mut(),
+        };
+        let levels = match &self.levels {
+            Some(levels) => levels,
+            None => self.levels.insert(Levels::of(&self.device, nodes)?),
+        };
+        // SAFETY: the buffers belong to this tracer and are borrowed while this waits; the builder checked the links.
+        unsafe { self.device.launch(&reshape, [triangles.len(), 1]) }?;
+        for &level in levels.ranges.iter().rev() {
+            let (triangles, order) = (triangles.view(), levels.order.view());
+            let refit = Refit { nodes: nodes.view_mut(), triangles, order, level };
+            // SAFETY: as above; each node is once in the order, and deeper levels are done.
+            unsafe { self.device.launch(&refit, [level[1] - level[0], 1]) }?;
+        }
+        Ok(true)
+    }
+}
+
+/// The nodes of a tree by their distance from the root.
+pub(super) struct Levels {
+    order: Buffer<u32>,
+    /// Places in `order`, from the root down.
+    ranges: Vec<[u32; 2]>,
+}
+
+impl Levels {
+    fn of(device: &Device, nodes: &Buffer<Node>) -> Result<Self, RenderError> {
+        let nodes = nodes.to_vec()?;
+        let (mut order, mut ranges) = (vec![0], vec![[0, 1]]);
+        while let Some([first, end]) = ranges.last().copied().filter(|[first, end]| first < end) {
+            for place in first..end {
+                let node: &Node = &nodes[order[place as usize] as usize];
+                let inner = (0..2).filter(|&side| node.has_child(side) && !node.children[side].is_leaf());
+                order.extend(inner.map(|side| node.children[side].index()));
+            }
+            ranges.push([end, order.len() as u32]);
+        }
+        ranges.pop();
+        Ok(Self { order: device.upload(&order)?, ranges })
+    }
+}

@@ -1,0 +1,310 @@
+//! A picture that grows on its device, for those who look on: sample by sample, in launches as short as they are asked
+//! to be, developed where it is.
+
+use raywarp_kernels::film::Pixel;
+use raywarp_kernels::kernels::{Frame, Surfel};
+use raywarp_kernels::screen::{Develop, Exposed, Paint, Ranges, Shown};
+use raywarp_kernels::shade::whitted::Limits;
+use raywarp_kernels::traverse::Tests;
+use raywarp_kernels::view::{View, ViewMut};
+
+use super::{camera, passes, RenderError, RenderOptions, Tracer};
+use crate::backend::{Buffer, Device};
+use crate::image::Development;
+use crate::scene::Camera;
+
+/// Rows of a launch are a multiple of this, which is a multiple of every tile and block.
+const ROWS: u32 = 16;
+
+/// Pixel samples a second of the first launch, before anything is known.
+const FIRST_ON_CPU: f64 = 1e6;
+const FIRST_ON_GPU: f64 = 2e8;
+
+/// Sums of a picture under way and its pixels as a screen shows them. When all samples are taken, the sums are those of
+/// [`Tracer::render`] to the bit, and the screen is its PNG.
+#[derive(Debug)]
+pub struct Film {
+    device: Device,
+    size: [u32; 2],
+    pixels: Buffer<Pixel>,
+    screen: Buffer<u32>,
+    samples: u32,
+    ahead: u32,
+    /// Pixel samples a second of kernel time.
+    rate: f64,
+}
+
+/// What an exposure did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Exposure {
+    /// Seconds that the kernels ran.
+    pub kernel_seconds: f64,
+    /// Pixels times samples that were taken.
+    pub pixel_samples: u64,
+    /// Whether every pixel has all of its samples.
+    pub complete: bool,
+}
+
+/// What to show instead of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Shading normals: x, y, z as red, green, blue.
+    Normal,
+    /// Distance along the camera ray: white in front, dark grey at the far end.
+    Depth,
+    /// Diffuse colour.
+    Albedo,
+    /// A colour a triangle.
+    Primitive,
+    /// A colour a material.
+    Material,
+    /// Nodes and triangles tested by all rays of a pixel.
+    Tests,
+    /// Time of the pixel's thread: cycles on a GPU, nanoseconds on a CPU.
+    Ticks,
+}
+
+/// A painted quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Painted {
+    /// Values of the first and of the last colour, for quantities that have a scale.
+    pub range: [f32; 2],
+    /// Seconds that the kernels ran.
+    pub kernel_seconds: f64,
+    /// Rays of all kinds, where they were counted.
+    pub rays: Option<u64>,
+}
+
+impl Film {
+    /// Without a sample yet.
+    ///
+    /// # Errors
+    /// [`RenderError`] for an impossible size, or a device without room.
+    pub fn new(device: &Device, size: [u32; 2]) -> Result<Self, RenderError> {
+        let window = RenderOptions { size, ..RenderOptions::default() }.check()?;
+        let count = window.pixels();
+        let bytes = count * (std::mem::size_of::<Pixel>() + std::mem::size_of::<u32>());
+        device.reserve(bytes as u64, "the picture")?;
+        let rate = if device.is_cuda() { FIRST_ON_GPU } else { FIRST_ON_CPU };
+        let (pixels, screen) = (device.zeroed(count)?, device.zeroed(count)?);
+        Ok(Self { device: device.clone(), size, pixels, screen, samples: 0, ahead: 0, rate })
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Samples that every pixel has.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// Pixel samples a second, as learnt from the last exposures: for whoever chooses the size of the next picture.
+    pub fn rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// Starts from the rate that another film has learnt.
+    pub fn learn(&mut self, rate: f64) {
+        self.rate = rate;
+    }
+
+    /// Forgets all samples.
+    ///
+    /// # Errors
+    /// [`RenderError`] where the device fails.
+    pub fn clear(&mut self) -> Result<(), RenderError> {
+        self.pixels = self.device.zeroed(self.pixels.len() as usize)?;
+        (self.samples, self.ahead) = (0, 0);
+        Ok(())
+    }
+
+    /// The pixels as last developed or painted: red, green, blue, 255 from the lowest byte on, sRGB, top row first.
+    pub fn screen(&self) -> &Buffer<u32> {
+        &self.screen
+    }
+
+    /// Makes the screen's pixels from the samples so far. Where there is none yet, those of another film show.
+    ///
+    /// # Errors
+    /// [`RenderError`] where the device fails.
+    pub fn develop(&mut self, development: &Development, under: Option<&Film>) -> Result<f64, RenderError> {
+        if let Some(under) = under {
+            self.device.check(&under.pixels, "the film below")?;
+        }
+        let under = under.map_or(Exposed::NONE, Film::exposed);
+        let kernel = Develop { film: self.exposed(), under, tone: development.tone(), screen: self.screen.view_mut() };
+        // SAFETY: all buffers are of this device and borrowed while this waits; both films know their sizes.
+        Ok(unsafe { self.device.launch(&kernel, self.size) }?)
+    }
+
+    fn exposed(&self) -> Exposed {
+        Exposed { pixels: self.pixels.view(), size: self.size, samples: self.samples, ahead: self.ahead }
+    }
+
+    /// The next launch for about so many seconds: rows, and samples.
+    fn next(&self, spp: u32, seconds: f64) -> Step {
+        let [width, height] = self.size;
+        let (affordable, pixels) = (self.rate * seconds, f64::from(width) * f64::from(height));
+        if self.ahead == 0 && affordable >= pixels {
+            let samples = ((affordable / pixels) as u32).clamp(1, spp - self.samples);
+            return Step { rows: [0, height], samples };
+        }
+        let rows = (affordable / f64::from(width)) as u32 / ROWS * ROWS;
+        let end = (self.ahead + rows.max(ROWS)).min(height);
+        Step { rows: [self.ahead, end], samples: 1 }
+    }
+
+    fn took(&mut self, step: Step, seconds: f64) {
+        if step.rows[1] == self.size[1] {
+            (self.samples, self.ahead) = (self.samples + step.samples, 0);
+        } else {
+            self.ahead = step.rows[1];
+        }
+        let rate = step.pixel_samples(self.size[0]) as f64 / seconds.max(1e-6);
+        // Launches differ in what they see: half of each new finding, and never a leap.
+        self.rate = (0.5 * (self.rate + rate)).clamp(self.rate * 0.25, self.rate * 4.0).max(1.0);
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Step {
+    rows: [u32; 2],
+    samples: u32,
+}
+
+impl Step {
+    fn pixel_samples(&self, width: u32) -> u64 {
+        u64::from(width) * u64::from(self.rows[1] - self.rows[0]) * u64::from(self.samples)
+    }
+}
+
+impl Tracer {
+    /// Takes more samples for about so many seconds; at least some rows of one. Of the options, `size` is the film's
+    /// own, and `crop` and `count_tests` do not count. Camera, depth, shadows, seed and `spp` must stay the same from the
+    /// first exposure of a film to the last.
+    ///
+    /// # Errors
+    /// As for [`render`](Self::render).
+    pub fn expose(
+        &self,
+        film: &mut Film,
+        camera: &Camera,
+        options: &RenderOptions,
+        seconds: f64,
+    ) -> Result<Exposure, RenderError> {
+        let options = RenderOptions { size: film.size, crop: None, ..*options };
+        options.check()?;
+        self.device.check(&film.pixels, "the film")?;
+        let mut exposure = Exposure { complete: film.samples >= options.spp, ..Exposure::default() };
+        if exposure.complete {
+            return Ok(exposure);
+        }
+        let step = film.next(options.spp, seconds);
+        let [width, height] = film.size;
+        let lights = self.lighting.upload(&self.device, camera)?;
+        let pass = passes::Pass {
+            scene: self.scene.view(&lights, &self.lighting),
+            frame: Frame {
+                camera: camera::kernel_camera(camera, film.size)?,
+                origin: [0, step.rows[0]],
+                extent: [width, step.rows[1] - step.rows[0]],
+                film: [0, 0, width],
+                samples: [film.samples, film.samples + step.samples, options.spp],
+                seed: options.seed,
+            },
+            limits: Limits { depth: options.max_depth, shadows: options.shadows as u32 },
+            film: film.pixels.view_mut(),
+            tests: ViewMut::EMPTY,
+            ticks: ViewMut::EMPTY,
+        };
+        exposure.kernel_seconds = passes::shade(&self.device, &self.structure.resident, &pass)?;
+        exposure.pixel_samples = step.pixel_samples(width);
+        film.took(step, exposure.kernel_seconds);
+        exposure.complete = film.samples >= options.spp && step.rows[1] == height;
+        Ok(exposure)
+    }
+
+    /// Paints a quantity on the film's screen; its samples stay. Without a range, that of the picture.
+    ///
+    /// # Errors
+    /// As for [`render`](Self::render).
+    pub fn paint(
+        &self,
+        film: &mut Film,
+        camera: &Camera,
+        options: &RenderOptions,
+        quantity: Quantity,
+        range: Option<[f32; 2]>,
+    ) -> Result<Painted, RenderError> {
+        let options = RenderOptions { size: film.size, crop: None, spp: 1, ..*options };
+        let window = options.check()?;
+        let costs = matches!(quantity, Quantity::Tests | Quantity::Ticks);
+        let (seen, counted) = if costs { (0, window.pixels()) } else { (window.pixels(), 0) };
+        let mut surfels = self.device.zeroed::<Surfel>(seen)?;
+        let mut tests = self.device.zeroed::<Tests>(counted)?;
+        let mut ticks = self.device.zeroed::<u32>(counted)?;
+        let mut unseen = self.device.zeroed::<Pixel>(counted)?;
+        let lights = self.lighting.upload(&self.device, camera)?;
+        let pass = passes::Pass {
+            scene: self.scene.view(&lights, &self.lighting),
+            frame: Frame {
+                camera: camera::kernel_camera(camera, film.size)?,
+                origin: [0, 0],
+                extent: film.size,
+                film: [0, 0, film.size[0]],
+                samples: [0, 1, 1],
+                seed: options.seed,
+            },
+            limits: Limits { depth: options.max_depth, shadows: options.shadows as u32 },
+            film: unseen.view_mut(),
+            tests: tests.view_mut(),
+            ticks: ticks.view_mut(),
+        };
+        let mut seconds = if costs {
+            passes::shade(&self.device, &self.structure.resident, &pass)?
+        } else {
+            passes::surfels(&self.device, &self.structure.resident, &pass, surfels.view_mut())?
+        };
+        let shown = Shown {
+            quantity: quantity as u32,
+            surfels: surfels.view(),
+            tests: if quantity == Quantity::Tests { tests.view() } else { View::EMPTY },
+            ticks: ticks.view(),
+        };
+        let range = match range {
+            Some(range) => range,
+            None if matches!(quantity, Quantity::Depth | Quantity::Tests | Quantity::Ticks) => {
+                self.range(&shown, film.size, &mut seconds)?
+            }
+            None => [0.0; 2],
+        };
+        let paint = Paint { shown, size: film.size, range, screen: film.screen.view_mut() };
+        // SAFETY: the buffers are borrowed while this waits, and as long as the film has pixels.
+        seconds += unsafe { self.device.launch(&paint, film.size) }?;
+        Ok(Painted { range, kernel_seconds: seconds, rays: None })
+    }
+
+    /// The smallest and the largest value; for costs the scale starts at 0.
+    fn range(&self, shown: &Shown, size: [u32; 2], seconds: &mut f64) -> Result<[f32; 2], RenderError> {
+        let mut rows = self.device.zeroed::<[f32; 2]>(size[1] as usize)?;
+        let ranges = Ranges { shown: *shown, size, ranges: rows.view_mut() };
+        // SAFETY: as in `paint`.
+        *seconds += unsafe { self.device.launch(&ranges, [size[1], 1]) }?;
+        let all = rows.download()?.into_iter().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        Ok(match all {
+            Some([low, high]) if low <= high && shown.quantity == Quantity::Depth as u32 => [low, high],
+            Some([_, high]) if high > 0.0 => [0.0, high],
+            _ => [0.0, 1.0],
+        })
+    }
+}
+
+const _: () = {
+    use raywarp_kernels::screen::quantity;
+    assert!(Quantity::Normal as u32 == quantity::NORMAL && Quantity::Depth as u32 == quantity::DEPTH);
+    assert!(Quantity::Albedo as u32 == quantity::ALBEDO && Quantity::Primitive as u32 == quantity::PRIMITIVE);
+    assert!(Quantity::Material as u32 == quantity::MATERIAL && Quantity::Tests as u32 == quantity::TESTS);
+    assert!(Quantity::Ticks as u32 == quantity::TICKS);
+};

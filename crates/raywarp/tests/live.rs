@@ -1,0 +1,192 @@
+//! A picture that grows, and a scene that changes, on every device: the same bits as a picture at once of a scene read
+//! that way.
+
+mod common;
+
+use std::f32::consts::TAU;
+
+use raywarp::accel::{AccelKind, Build, Quality};
+use raywarp::backend::{Device, Staging};
+use raywarp::image::{png, Development, ToneMap};
+use raywarp::render::{world_triangles, Film, Quantity, RenderOptions, Structure, Tracer};
+use raywarp::scene::{load, Light, LightKind, Scene, Transform};
+
+use common::devices;
+
+const SIZE: [u32; 2] = [93, 71];
+
+fn options() -> RenderOptions {
+    RenderOptions { size: SIZE, spp: 5, max_depth: 3, ..RenderOptions::default() }
+}
+
+fn scene() -> Scene {
+    load::builtin().unwrap().scene
+}
+
+fn bvh2(quality: Quality) -> Build {
+    Build { kind: AccelKind::Bvh2, quality, cached: false }
+}
+
+/// The screen's bytes, as red, green, blue.
+fn screen(device: &Device, film: &Film) -> Vec<[u8; 3]> {
+    let mut staging = Staging::default();
+    staging.fetch(device, film.screen()).unwrap();
+    staging.iter().map(|pixel| pixel.to_le_bytes()).map(|[r, g, b, _]| [r, g, b]).collect()
+}
+
+fn exposed(device: &Device, tracer: &Tracer, seconds: f64) -> Film {
+    let mut film = Film::new(device, SIZE).unwrap();
+    let mut steps = 0;
+    while !tracer.expose(&mut film, tracer.default_camera(), &options(), seconds).unwrap().complete {
+        steps += 1;
+        assert!(steps < 10_000);
+    }
+    film
+}
+
+fn rendered(tracer: &Tracer) -> raywarp::image::Picture {
+    tracer.render(tracer.default_camera(), &options(), &mut |_| ()).unwrap().picture
+}
+
+#[test]
+fn a_film_becomes_the_png_of_the_same_samples_in_steps_of_any_length() {
+    for device in devices() {
+        let tracer = Tracer::new(&scene(), bvh2(Quality::Fast), &device).unwrap();
+        let picture = rendered(&tracer);
+        for development in [
+            Development::default(),
+            Development { exposure: -0.7, tone_map: ToneMap::Filmic },
+            Development { exposure: 3.0, tone_map: ToneMap::Clamp },
+        ] {
+            let expected = png::develop(&picture, &development).pixels;
+            for seconds in [0.0, 1e-3, 10.0] {
+                let mut film = exposed(&device, &tracer, seconds);
+                assert_eq!(film.samples(), 5);
+                film.develop(&development, None).unwrap();
+                assert!(screen(&device, &film) == expected, "{seconds} s a step on {}", device.description());
+            }
+        }
+    }
+}
+
+#[test]
+fn before_its_first_sample_a_pixel_shows_the_film_below() {
+    for device in devices() {
+        let tracer = Tracer::new(&scene(), bvh2(Quality::Fast), &device).unwrap();
+        let mut below = Film::new(&device, [9, 7]).unwrap();
+        let options = RenderOptions { spp: 1, ..options() };
+        while !tracer.expose(&mut below, tracer.default_camera(), &options, 1.0).unwrap().complete {}
+        below.develop(&Development::default(), None).unwrap();
+        let mut film = Film::new(&device, SIZE).unwrap();
+        film.develop(&Development::default(), Some(&below)).unwrap();
+        let (small, large) = (screen(&device, &below), screen(&device, &film));
+        for (index, pixel) in large.iter().enumerate() {
+            let (x, y) = (index as u32 % SIZE[0], index as u32 / SIZE[0]);
+            let nearest = |i: u32, from: u32, to: u32| ((f64::from(i) + 0.5) * f64::from(to) / f64::from(from)) as u32;
+            let source = nearest(y, SIZE[1], 7) * 9 + nearest(x, SIZE[0], 9);
+            assert_eq!(*pixel, small[source as usize], "{x}, {y}");
+        }
+        // One step exposes rows from the top; the others stay as they were.
+        let mut part = Film::new(&device, SIZE).unwrap();
+        part.learn(1.0);
+        tracer.expose(&mut part, tracer.default_camera(), &options, 1e-9).unwrap();
+        part.develop(&Development::default(), Some(&below)).unwrap();
+        let rows = 16 * SIZE[0] as usize;
+        assert!(screen(&device, &part)[rows..] == large[rows..]);
+        assert!(screen(&device, &part)[..rows] != large[..rows]);
+    }
+}
+
+#[test]
+fn an_instance_that_moves_looks_as_if_it_had_been_there() {
+    for device in devices() {
+        for quality in [Quality::Fast, Quality::High] {
+            let original = scene();
+            let mut tracer = Tracer::new(&original, bvh2(quality), &device).unwrap();
+            let mut moved = original.clone();
+            for step in 0..4 {
+                for index in (0..moved.instances.len()).rev().take(2) {
+                    let (sine, cosine) = (TAU * (step + index) as f32 / 7.0).sin_cos();
+                    moved.instances[index].transform = Transform {
+                        columns: [[cosine, 0.0, -sine], [0.0, 0.8, 0.0], [sine, 0.0, cosine]],
+                        translation: [0.1 * step as f32, 0.05, -0.2 * sine],
+                    };
+                    assert!(tracer.move_instance(&original, &moved.instances, index).unwrap());
+                }
+                let fresh = Tracer::new(&moved, bvh2(quality), &device).unwrap();
+                assert!(rendered(&tracer) == rendered(&fresh), "step {step} on {}", device.description());
+            }
+            // A new tree of what moved, swapped in.
+            let triangles = world_triangles(&original, &moved.instances, &moved.materials).unwrap();
+            let before = rendered(&tracer);
+            for kind in [AccelKind::fastest_on(&device), AccelKind::Kd] {
+                tracer.replace(Structure::build(&device, kind, triangles.clone()).unwrap());
+                assert!(rendered(&tracer) == before);
+                assert!(!tracer.move_instance(&original, &moved.instances, 0).unwrap(), "only a bvh2 can be refitted");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_mirrored_instance_wants_a_new_tracer() {
+    let original = scene();
+    let device = devices().remove(0);
+    let mut tracer = Tracer::new(&original, bvh2(Quality::Fast), &device).unwrap();
+    let mut instances = original.instances.clone();
+    instances[0].transform.columns[0] = instances[0].transform.columns[0].map(|x| -x);
+    assert!(!tracer.move_instance(&original, &instances, 0).unwrap());
+    assert!(tracer.move_instance(&original, &instances, instances.len()).is_err());
+}
+
+#[test]
+fn changed_lights_and_materials_look_as_if_they_had_been_read() {
+    for device in devices() {
+        let mut scene = scene();
+        let mut tracer = Tracer::new(&scene, bvh2(Quality::Fast), &device).unwrap();
+        scene.lights.push(Light {
+            kind: LightKind::Point { position: [0.0, 0.5, 0.5] },
+            color: [0.2, 0.4, 0.1],
+            ..Light::default()
+        });
+        tracer.set_lights(&scene);
+        for (index, material) in scene.materials.iter_mut().enumerate() {
+            material.diffuse = [0.1 * index as f32, 0.5, 0.3];
+            // The structure knows which triangles let light through.
+            material.transmission = if index % 2 == 0 { [0.3; 3] } else { [0.0; 3] };
+        }
+        assert!(tracer.set_materials(&scene.materials, &scene.images).unwrap());
+        let fresh = Tracer::new(&scene, bvh2(Quality::Fast), &device).unwrap();
+        assert!(rendered(&tracer) == rendered(&fresh), "{}", device.description());
+        assert!(tracer.set_materials(&scene.materials[1..], &scene.images).is_err());
+    }
+}
+
+#[test]
+fn painted_quantities_are_those_of_the_layers_and_counts() {
+    use raywarp::image::{false_color, Layer, Layers};
+    for device in devices() {
+        let tracer = Tracer::new(&scene(), bvh2(Quality::Fast), &device).unwrap();
+        let camera = tracer.default_camera();
+        let options = RenderOptions { count_tests: true, spp: 1, ..options() };
+        let surfels = tracer.layers(camera, &options).unwrap();
+        let tests = tracer.render(camera, &options, &mut |_| ()).unwrap().tests;
+        let layers = Layers { width: SIZE[0], height: SIZE[1], surfels, tests };
+        let mut film = Film::new(&device, SIZE).unwrap();
+        for (quantity, layer) in [
+            (Quantity::Normal, Layer::Normal),
+            (Quantity::Depth, Layer::Depth),
+            (Quantity::Albedo, Layer::Albedo),
+            (Quantity::Primitive, Layer::Primitive),
+            (Quantity::Material, Layer::Material),
+            (Quantity::Tests, Layer::Tests),
+        ] {
+            tracer.paint(&mut film, camera, &options, quantity, None).unwrap();
+            let pixels = false_color::draw(&layers, layer).unwrap().0.pixels;
+            let count = (SIZE[0] * SIZE[1]) as usize;
+            assert!(screen(&device, &film)[..] == pixels[..count], "{layer} on {}", device.description());
+        }
+        let painted = tracer.paint(&mut film, camera, &options, Quantity::Ticks, None).unwrap();
+        assert!(painted.range[1] > 0.0, "every thread takes time");
+    }
+}
