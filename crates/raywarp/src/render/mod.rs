@@ -29,6 +29,7 @@ use lighting::Lighting;
 use options::Window;
 use resident::ResidentScene;
 
+pub use camera::framing;
 pub use error::RenderError;
 pub(crate) use flatten::{check_instance, check_mesh, flags_of};
 pub use options::{RenderOptions, MAX_DEPTH, MAX_SIDE, MAX_SPP};
