@@ -5,10 +5,14 @@
 //! belong to one thread: what takes long (reading, building, compiling kernels) runs beside it, and
 //! [`Stage::poll`] takes what is ready.
 
+pub mod camera_control;
 mod event;
 mod help;
+pub mod keys;
+pub mod look;
 mod outcome;
 mod panel;
+pub mod pointer;
 mod stage;
 mod status;
 mod viewer;

@@ -18,8 +18,8 @@ pub(crate) fn default_camera(scene: &Scene, bounds: [[f32; 3]; 2]) -> (Camera, O
     }
 }
 
-/// A view of a box that fits a picture of any format not narrower than it is high.
-fn framing([low, high]: [[f32; 3]; 2]) -> Camera {
+/// A view of a box from the front, right and above, that fits a picture of any format not narrower than it is high.
+pub fn framing([low, high]: [[f32; 3]; 2]) -> Camera {
     let (low, high) = (Vec3::from(low), Vec3::from(high));
     let centre = low * 0.5 + high * 0.5;
     let radius = ((high - low).length() * 0.5).max(f32::MIN_POSITIVE);

@@ -29,3 +29,29 @@ pub enum Projection {
         height: f32,
     },
 }
+
+/// An angle in degrees, as short a number as gives back exactly these radians when it is turned into radians in double
+/// precision and then rounded: what the command line does with `--fov`.
+pub fn degrees(radians: f32) -> f64 {
+    let exact = f64::from(radians).to_degrees();
+    let rounded = |digits: usize| format!("{exact:.digits$e}").parse().unwrap_or(exact);
+    (0..17).map(rounded).find(|&degrees: &f64| degrees.to_radians() as f32 == radians).unwrap_or(exact)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn degrees_are_short_and_lead_back_to_the_same_bits() {
+        assert_eq!(degrees(35f64.to_radians() as f32), 35.0);
+        assert_eq!(degrees(0.7), 40.10705);
+        let mut bits = 1e-5f32.to_bits();
+        while f32::from_bits(bits) < 3.1 {
+            let radians = f32::from_bits(bits);
+            let text = degrees(radians).to_string();
+            assert_eq!(text.parse::<f64>().unwrap().to_radians() as f32, radians, "{text}");
+            bits += 10_007;
+        }
+    }
+}

@@ -13,7 +13,7 @@ mod mesh;
 pub mod normals;
 
 pub use background::Background;
-pub use camera::{Camera, Projection};
+pub use camera::{degrees, Camera, Projection};
 pub use image::Image;
 pub use light::{Light, LightKind};
 pub use load::{LoadError, LoadOptions, Loaded, Warning};
