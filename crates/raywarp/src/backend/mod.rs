@@ -163,6 +163,17 @@ impl Device {
         }
     }
 
+    /// Has the driver of a CUDA device compile a kernel, which takes a moment where its own cache does not have it.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the driver refuses it.
+    pub fn load<K: Kernel>(&self) -> Result<(), DeviceError> {
+        match &self.machine {
+            Machine::Cpu => Ok(()),
+            Machine::Cuda(gpu) => gpu.function(K::NAME).map(drop),
+        }
+    }
+
     /// Runs a kernel, one thread for each column and row of `extent`, and waits for it. Returns the seconds it took on
     /// the device.
     ///

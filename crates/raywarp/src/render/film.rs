@@ -71,8 +71,6 @@ pub struct Painted {
     pub range: [f32; 2],
     /// Seconds that the kernels ran.
     pub kernel_seconds: f64,
-    /// Rays of all kinds, where they were counted.
-    pub rays: Option<u64>,
 }
 
 impl Film {
@@ -283,7 +281,7 @@ impl Tracer {
         let paint = Paint { shown, size: film.size, range, screen: film.screen.view_mut() };
         // SAFETY: the buffers are borrowed while this waits, and as long as the film has pixels.
         seconds += unsafe { self.device.launch(&paint, film.size) }?;
-        Ok(Painted { range, kernel_seconds: seconds, rays: None })
+        Ok(Painted { range, kernel_seconds: seconds })
     }
 
     /// The smallest and the largest value; for costs the scale starts at 0.

@@ -171,6 +171,11 @@ impl Tracer {
         &self.report
     }
 
+    /// Where it traces.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
     /// The scene's first camera, or one that frames its bounds.
     pub fn default_camera(&self) -> &Camera {
         &self.camera

@@ -44,6 +44,22 @@ pub(super) fn surfels(
     with_structure!(structure, structure, both => both.compact, run(device, pass, &Surfels { structure, scene, frame, surfels }))
 }
 
+/// Has the driver compile what traces through a structure, so that no frame waits for it.
+pub(super) fn load(device: &Device, structure: &Resident) -> Result<(), DeviceError> {
+    with_structure!(structure, structure, both => both.compact, load_for(device, structure))
+}
+
+fn load_for<S: Structure>(device: &Device, _: S) -> Result<(), DeviceError>
+where
+    Whitted<S, Uncounted>: Kernel,
+    Whitted<S, Tests>: Kernel,
+    Surfels<S>: Kernel,
+{
+    device.load::<Whitted<S, Uncounted>>()?;
+    device.load::<Whitted<S, Tests>>()?;
+    device.load::<Surfels<S>>()
+}
+
 fn whitted<S: Structure, C>(structure: S, pass: &Pass) -> Whitted<S, C> {
     let Pass { scene, frame, limits, film, tests, ticks } = *pass;
     Whitted { structure, scene, frame, limits, film, tests, ticks, counter: PhantomData }

@@ -2,11 +2,13 @@
 
 use std::time::Instant;
 
+use raywarp_kernels::screen::{Develop, Paint, Ranges};
+
 use crate::accel::{cache, Accel, AccelKind, Build, Quality, Resident, TreeStats};
 use crate::backend::Device;
 use crate::Triangle;
 
-use super::RenderError;
+use super::{passes, RenderError};
 
 /// A structure on a device, for [`Tracer::replace`](super::Tracer::replace). It can be built beside a tracer at work.
 pub struct Structure {
@@ -34,6 +36,17 @@ impl Structure {
         let (tree, built) = Self::arrange(what.into(), triangles)?;
         device.reserve(built.stats.bytes as u64, "the structure")?;
         built.upload(device, &tree)
+    }
+
+    /// Has the driver compile all kernels that trace through it, so that the first picture does not wait for them.
+    ///
+    /// # Errors
+    /// [`RenderError`] where the driver refuses one.
+    pub fn load_kernels(&self, device: &Device) -> Result<(), RenderError> {
+        device.load::<Develop>()?;
+        device.load::<Ranges>()?;
+        device.load::<Paint>()?;
+        Ok(passes::load(device, &self.resident)?)
     }
 
     /// The structure on this machine, and what there is to tell of it.

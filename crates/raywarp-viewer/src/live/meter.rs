@@ -1,0 +1,87 @@
+//! What frames cost.
+
+use std::time::Instant;
+
+use raywarp::render::{Exposure, RenderOptions, Tracer};
+use raywarp::scene::Camera;
+
+use super::Status;
+use crate::ViewerError;
+
+/// Pixels of the picture whose rays are counted, about: enough for a mean, few enough not to be noticed.
+const COUNTED: f64 = 20_000.0;
+
+/// Numbers of the last frame.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Meter {
+    start: Option<Instant>,
+    /// Milliseconds of the last frame.
+    frame_ms: f64,
+    kernel_seconds: f64,
+    pixel_samples: u64,
+    samples: [u32; 2],
+    traced: [u32; 2],
+    /// Rays of all kinds for each camera ray.
+    rays: Option<f64>,
+}
+
+impl Meter {
+    /// A frame begins.
+    pub fn begin(&mut self) {
+        (self.start, self.kernel_seconds, self.pixel_samples) = (Some(Instant::now()), 0.0, 0);
+    }
+
+    /// It is done.
+    pub fn end(&mut self) {
+        if let Some(start) = self.start.take() {
+            self.frame_ms = start.elapsed().as_secs_f64() * 1e3;
+        }
+    }
+
+    /// Adds an exposure to the bill; whether its film is complete.
+    pub fn exposed(&mut self, exposure: Exposure) -> bool {
+        self.kernel_seconds += exposure.kernel_seconds;
+        self.pixel_samples += exposure.pixel_samples;
+        exposure.complete
+    }
+
+    /// A debug view was painted.
+    pub fn painted(&mut self, kernel_seconds: f64, size: [u32; 2]) {
+        (self.kernel_seconds, self.traced, self.samples) = (kernel_seconds, size, [1, 1]);
+    }
+
+    /// How far a picture of so many pixels is.
+    pub fn samples(&mut self, samples: [u32; 2], traced: [u32; 2]) {
+        (self.samples, self.traced) = (samples, traced);
+    }
+
+    /// Whether rays were counted since the view last changed by much.
+    pub fn knows_rays(&self) -> bool {
+        self.rays.is_some()
+    }
+
+    /// Counts the rays of a small picture.
+    pub fn count_rays(&mut self, tracer: &Tracer, camera: &Camera, options: &RenderOptions) -> Result<(), ViewerError> {
+        let pixels = options.size.iter().map(|&side| f64::from(side)).product::<f64>();
+        let scale = (COUNTED / pixels).sqrt().min(1.0);
+        let size = options.size.map(|side| ((f64::from(side) * scale) as u32).max(1));
+        let options = RenderOptions { size, spp: 1, count_tests: true, ..*options };
+        let rays = tracer.render(camera, &options, &mut |_| ())?.rays.unwrap_or(0);
+        self.rays = Some(rays as f64 / (f64::from(size[0]) * f64::from(size[1])));
+        Ok(())
+    }
+
+    /// The numbers; the rest is as by default.
+    pub fn status(&self) -> Status {
+        let traced = self.rays.filter(|_| self.kernel_seconds > 0.0 && self.pixel_samples > 0);
+        Status {
+            frame_ms: self.frame_ms,
+            kernel_ms: self.kernel_seconds * 1e3,
+            mrays_per_s: traced.map(|rays| rays * self.pixel_samples as f64 / self.kernel_seconds * 1e-6),
+            samples: self.samples[0],
+            spp: self.samples[1],
+            traced: self.traced,
+            ..Status::default()
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! The interactive core as a front end uses it, on the CPU or on the device that `RAYWARP_TEST_DEVICE` names.
+
+use std::time::{Duration, Instant};
+
+use raywarp::accel::{AccelKind, Quality};
+use raywarp::backend::Device;
+use raywarp::image::{png, Development};
+use raywarp::render::{RenderOptions, Tracer};
+use raywarp::scene::{load, Camera};
+use raywarp_viewer::live::{Button, Event, Modifiers, Outcome, Picture, Source, Stage, StageOptions, Viewer};
+
+const SIZE: [u32; 2] = [96, 54];
+const SPP: u32 = 4;
+
+fn device() -> Device {
+    let name = std::env::var("RAYWARP_TEST_DEVICE").unwrap_or_else(|_| "cpu".to_owned());
+    Device::open(name.parse().expect("RAYWARP_TEST_DEVICE names a device")).expect("the device under test opens")
+}
+
+struct Session {
+    stage: Stage,
+    viewer: Viewer,
+    start: Instant,
+}
+
+impl Session {
+    fn new(options: StageOptions) -> Self {
+        let stage = Stage::open(Source::default(), device(), options);
+        let mut viewer = Viewer::new(SIZE);
+        viewer.look_mut().spp = SPP;
+        Self { stage, viewer, start: Instant::now() }
+    }
+
+    fn handle(&mut self, event: Event) -> Vec<Outcome> {
+        self.viewer.handle(&mut self.stage, &event)
+    }
+
+    fn frame(&mut self) -> Option<Picture> {
+        self.viewer.frame(&mut self.stage, self.start.elapsed()).expect("the device works")
+    }
+
+    /// Pictures until one is settled.
+    fn settle(&mut self) -> Vec<Picture> {
+        let (mut pictures, begin) = (Vec::new(), Instant::now());
+        while !pictures.last().is_some_and(|picture: &Picture| picture.settled) {
+            assert!(
+                begin.elapsed() < Duration::from_secs(60),
+                "it never settles: {:?}",
+                self.viewer.status(&self.stage)
+            );
+            match self.frame() {
+                Some(picture) => pictures.push(picture),
+                None => std::thread::sleep(Duration::from_millis(1)),
+            }
+        }
+        pictures
+    }
+
+    fn key(&mut self, key: &str, down: bool) -> Vec<Outcome> {
+        self.handle(Event::Key { key: key.to_owned(), down, modifiers: Modifiers::default() })
+    }
+
+    fn drag(&mut self, x: f32) {
+        let button = |down| Event::Button { button: Button::Left, down, modifiers: Modifiers::default() };
+        self.handle(Event::Pointer { x: 0.5, y: 0.5 });
+        self.handle(button(true));
+        self.handle(Event::Pointer { x, y: 0.5 });
+    }
+
+    fn drop_it(&mut self) {
+        self.handle(Event::Button { button: Button::Left, down: false, modifiers: Modifiers::default() });
+    }
+}
+
+/// What `raywarp render` gives.
+fn rendered(camera: Option<&Camera>, options: &RenderOptions, development: &Development) -> Vec<u8> {
+    let scene = load::builtin().unwrap().scene;
+    let tracer = Tracer::new(&scene, AccelKind::Bvh2, &device()).unwrap();
+    let options = RenderOptions { size: SIZE, spp: SPP, ..*options };
+    let picture = tracer.render(camera.unwrap_or(tracer.default_camera()), &options, &mut |_| ()).unwrap().picture;
+    png::develop(&picture, development).pixels.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect()
+}
+
+#[test]
+fn at_rest_the_picture_becomes_that_of_render_to_the_bit() {
+    let mut session = Session::new(StageOptions::default());
+    let last = session.settle().pop().unwrap();
+    assert_eq!(last.size, SIZE);
+    assert!(last.rgba == rendered(None, &RenderOptions::default(), &Development::default()));
+    let status = session.viewer.status(&session.stage);
+    assert_eq!((status.samples, status.spp, status.settled), (SPP, SPP, true));
+    assert!(status.mrays_per_s.unwrap() > 0.0 && status.frame_ms > 0.0);
+    // Nothing happens: nothing is rendered.
+    assert!(session.frame().is_none() && !session.viewer.wants_frame(&session.stage));
+}
+
+#[test]
+fn a_drag_moves_the_camera_and_its_picture_settles_too() {
+    let mut session = Session::new(StageOptions::default());
+    let before = session.settle().pop().unwrap();
+    session.drag(0.6);
+    assert!(session.viewer.wants_frame(&session.stage));
+    let moving = session.frame().expect("a picture of the camera that moved");
+    assert!(!moving.settled);
+    session.drop_it();
+    let after = session.settle().pop().unwrap();
+    assert!(after.rgba != before.rgba);
+    let camera = session.viewer.camera().unwrap().clone();
+    assert!(after.rgba == rendered(Some(&camera), &RenderOptions::default(), &Development::default()));
+    session.key("r", true);
+    assert!(session.settle().pop().unwrap().rgba == before.rgba);
+}
+
+#[test]
+fn a_held_key_flies_until_it_is_released() {
+    let mut session = Session::new(StageOptions::default());
+    session.settle();
+    let eye = |session: &Session| session.viewer.camera().unwrap().eye;
+    session.key("w", true);
+    let first = eye(&session);
+    for _ in 0..5 {
+        session.frame();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert_ne!(eye(&session), first);
+    session.key("w", false);
+    session.settle();
+    let rest = eye(&session);
+    session.frame();
+    assert_eq!(eye(&session), rest);
+}
+
+#[test]
+fn exposure_develops_the_same_samples_again() {
+    let mut session = Session::new(StageOptions::default());
+    session.settle();
+    session.key("+", true);
+    let pictures = session.settle();
+    assert_eq!(pictures.len(), 1, "no sample is taken again");
+    let brighter = Development { exposure: 0.5, ..Development::default() };
+    assert!(pictures[0].rgba == rendered(None, &RenderOptions::default(), &brighter));
+    session.key("u", true);
+    let without = RenderOptions { shadows: false, ..RenderOptions::default() };
+    assert!(session.settle().pop().unwrap().rgba == rendered(None, &without, &brighter));
+}
+
+#[test]
+fn every_view_is_one_key_away_and_costs_have_a_scale() {
+    let mut session = Session::new(StageOptions::default());
+    let picture = session.settle().pop().unwrap();
+    let mut seen = vec![picture.rgba.clone()];
+    for (key, name) in [
+        ("n", "normals"),
+        ("z", "depth"),
+        ("o", "albedo"),
+        ("t", "primitives"),
+        ("m", "materials"),
+        ("x", "tests"),
+        ("l", "load"),
+    ] {
+        session.key(key, true);
+        let view = session.settle().pop().unwrap();
+        assert!(!seen.contains(&view.rgba), "{name} is like another");
+        seen.push(view.rgba);
+        let status = session.viewer.status(&session.stage);
+        let legend = status.legend.expect("a legend");
+        assert_eq!((status.view.as_str(), legend.title.is_empty()), (name, false));
+        assert_eq!(legend.colors.is_empty(), !["depth", "tests", "load"].contains(&name));
+    }
+    session.key("l", true);
+    assert!(session.settle().pop().unwrap().rgba == picture.rgba);
+}
+
+#[test]
+fn a_better_tree_takes_over_without_a_change_of_the_picture() {
+    for (accel, quality) in [(None, Quality::High), (Some(AccelKind::Kd), Quality::Medium)] {
+        let mut session = Session::new(StageOptions { accel, quality, cached: false, at_once: 0 });
+        let first = session.settle().pop().unwrap();
+        let begin = Instant::now();
+        while session.stage.busy().is_some() {
+            session.stage.poll();
+            assert!(begin.elapsed() < Duration::from_secs(60));
+            assert!(session.frame().is_none_or(|picture| picture.rgba == first.rgba));
+        }
+        let accel = session.viewer.status(&session.stage).accel;
+        assert!(accel.contains(&quality.to_string()), "{accel}");
+    }
+}
+
+#[test]
+fn keys_ask_for_files_texts_and_the_end() {
+    let mut session = Session::new(StageOptions::default());
+    assert!(session.key("F12", true).is_empty(), "there is no picture yet");
+    let picture = session.settle().pop().unwrap();
+    let [Outcome::File { content, media_type: "image/png", .. }] = &session.key("F12", true)[..] else { panic!() };
+    let decoded = image::load_from_memory(content).unwrap().to_rgba8();
+    assert!(decoded.into_raw() == picture.rgba);
+    let ctrl = Modifiers { ctrl: true, ..Modifiers::default() };
+    let copied = session.handle(Event::Key { key: "c".to_owned(), down: true, modifiers: ctrl });
+    assert!(matches!(&copied[..], [Outcome::Copy(flags)] if flags.starts_with("--eye ")), "{copied:?}");
+    let quit = session.handle(Event::Key { key: "q".to_owned(), down: true, modifiers: ctrl });
+    assert_eq!(quit, [Outcome::Quit]);
+}
+
+#[test]
+fn a_scene_that_cannot_be_read_is_a_notice() {
+    let source = Source { path: Some("no-such-scene.obj".into()), ..Source::default() };
+    let mut stage = Stage::open(source, device(), StageOptions::default());
+    let begin = Instant::now();
+    while stage.busy().is_some() {
+        assert!(begin.elapsed() < Duration::from_secs(10));
+        stage.poll();
+    }
+    let notice = stage.notice().expect("a notice");
+    assert!(notice.error && notice.text.contains("no-such-scene.obj"), "{notice:?}");
+    assert!(!stage.is_ready());
+}
+
+#[test]
+fn any_size_can_be_asked_for() {
+    let mut session = Session::new(StageOptions::default());
+    session.settle();
+    for [width, height] in [[1, 1], [0, 7], [301, 2]] {
+        session.handle(Event::Resize { width, height });
+        let size = session.settle().pop().unwrap().size;
+        assert_eq!(size, [width.max(1), height.max(1)]);
+    }
+}
