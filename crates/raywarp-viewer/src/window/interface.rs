@@ -3,7 +3,7 @@
 //! Everything is laid out anew for each drawing by egui, from the core's [`Status`] and [`Panel`]. egui needs no window
 //! and no graphics card for that: it takes input and gives triangles, which [`paint`](super::paint) draws.
 
-use egui::{ClippedPrimitive, Context, FullOutput, Pos2, RawInput, Rect};
+use egui::{ClippedPrimitive, Context, FullOutput, LayerId, Order, Pos2, RawInput, Rect};
 
 use super::paint::Overlay;
 use super::texture::Textures;
@@ -48,6 +48,7 @@ impl Interface {
             // Nothing is drawn but what something happened to.
             style.animation_time = 0.0;
             style.interaction.selectable_labels = false;
+            style.visuals.widgets.noninteractive.fg_stroke.color = egui::Color32::from_gray(190);
         });
         Self { context, textures: Textures::default(), primitives: Vec::new(), scale: 1.0, panel: Rect::NOTHING }
     }
@@ -87,6 +88,8 @@ impl Interface {
     pub fn is_over(&self, [x, y]: [f64; 2]) -> bool {
         let scale = f64::from(self.scale);
         let place = Pos2::new((x / scale) as f32, (y / scale) as f32);
-        self.panel.contains(place) || self.context.layer_id_at(place).is_some()
+        // The whole window is a layer of its own, at the bottom.
+        let floats = |layer: LayerId| layer.order != Order::Background;
+        self.panel.contains(place) || self.context.layer_id_at(place).is_some_and(floats)
     }
 }

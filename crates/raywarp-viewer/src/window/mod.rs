@@ -22,6 +22,8 @@ mod raster;
 mod scale;
 mod side;
 mod surface;
+#[cfg(test)]
+mod tests;
 mod texture;
 
 use std::path::PathBuf;

@@ -39,9 +39,18 @@ pub fn draw(band: &mut Band, mesh: &Mesh, texture: &Texture, scale: f32, clip: &
         columns: clip.columns.start.max(0)..clip.columns.end.min(width),
         rows: clip.rows.start.max(top)..clip.rows.end.min(top + rows as i64),
     };
+    if clip.rows.is_empty() || clip.columns.is_empty() {
+        return;
+    }
+    // Most triangles are in other bands: those are not even prepared.
+    let (low, high) = ((clip.rows.start - 1) as f32 / scale, (clip.rows.end + 1) as f32 / scale);
     for triangle in mesh.indices.chunks_exact(3) {
         let vertex = |i: usize| mesh.vertices.get(triangle[i] as usize);
         let (Some(a), Some(b), Some(c)) = (vertex(0), vertex(1), vertex(2)) else { continue };
+        let all = |holds: &dyn Fn(f32) -> bool| [a, b, c].iter().all(|vertex| holds(vertex.pos.y));
+        if all(&|y| y < low) || all(&|y| y > high) {
+            continue;
+        }
         if let Some(triangle) = Triangle::new([a, b, c], scale) {
             triangle.fill(band, texture, &clip);
         }

@@ -50,11 +50,10 @@ fn show_row(ui: &mut Ui, row: &Row, events: &mut Vec<Event>) {
                 }
                 return;
             }
-            let width = ui.available_width() * LABELS;
-            let label = |ui: &mut Ui| ui.add(egui::Label::new(&row.label).truncate());
-            ui.allocate_ui_with_layout(egui::vec2(width, 0.0), Layout::left_to_right(Align::Center), |ui| {
-                ui.set_min_width(width);
-                label(ui);
+            let size = egui::vec2(ui.available_width() * LABELS, ui.spacing().interact_size.y);
+            ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+                ui.set_min_width(size.x);
+                ui.add(egui::Label::new(&row.label).truncate()).on_hover_text(&row.label);
             });
             let value = control(ui, row);
             if let Some(value) = value {
