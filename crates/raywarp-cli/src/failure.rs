@@ -6,6 +6,8 @@ use raywarp::backend::DeviceError;
 use raywarp::query::QueryError;
 use raywarp::render::RenderError;
 use raywarp::write::WriteError;
+use raywarp_viewer::window::WindowError;
+use raywarp_viewer::ViewerError;
 
 use crate::say;
 
@@ -43,6 +45,11 @@ fn is_of_device(cause: &(dyn std::error::Error + 'static)) -> bool {
     cause.is::<DeviceError>()
         || matches!(cause.downcast_ref(), Some(RenderError::Device(_)))
         || matches!(cause.downcast_ref(), Some(QueryError::Device(_)))
+        || matches!(cause.downcast_ref(), Some(WindowError::Viewer(error)) if is_of_viewers_device(error))
+}
+
+fn is_of_viewers_device(error: &ViewerError) -> bool {
+    matches!(error, ViewerError::Device(_) | ViewerError::Render(RenderError::Device(_)))
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ mod render;
 mod report;
 mod say;
 mod values;
+mod view;
 mod viewpoint;
 
 use std::process::ExitCode;
@@ -28,6 +29,7 @@ fn main() -> ExitCode {
     let done = match Options::parse().command {
         None => render::run(&RenderOptions::built_in()),
         Some(Command::Render(options)) => render::run(&options),
+        Some(Command::View(options)) => view::run(&options),
         Some(Command::Query(options)) => query::run(&options),
         Some(Command::Info(options)) => info::run(&options),
         Some(Command::Bench(options)) => bench::run(&options),

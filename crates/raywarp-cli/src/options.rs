@@ -31,6 +31,7 @@ const EXAMPLES: &str = "\
 Examples:
   raywarp                                  the built-in scene, to raywarp.png
   raywarp render model.obj -o picture.png  a model, framed and lit if it has no camera and no lights
+  raywarp view model.obj                   walk around it in a window
   raywarp query model.obj --rays rays.npy  what each of many rays hits, to hits.npz
   raywarp info scene.gltf                  what is in a scene
   raywarp doctor                           whether a GPU can be used, and if not what to do
@@ -48,6 +49,14 @@ Examples:
   raywarp render scene.ply -o - | display
 
 The same scene, options and seed give the same picture on any number of threads.";
+
+const VIEW_EXAMPLES: &str = "\
+Examples:
+  raywarp view model.glb
+  raywarp view scene.toml --watch --size 1920x1080
+
+H shows what keys and pointer do. The close button ends the program.
+Without a display, `raywarp serve` shows the scene in a browser.";
 
 const QUERY_EXAMPLES: &str = "\
 Examples:
@@ -71,6 +80,8 @@ docs/query.md has examples.";
 pub enum Command {
     /// Render a scene to PNG or EXR files
     Render(Box<RenderOptions>),
+    /// Walk through a scene in a window
+    View(Box<ViewOptions>),
     /// Ask many rays what they hit: the closest, any, all of it, or how much
     Query(QueryOptions),
     /// Show what is in a scene: counts, bounds, materials, memory, quality of the trees
@@ -182,6 +193,32 @@ impl RenderOptions {
 pub enum StatsForm {
     Table,
     Json,
+}
+
+/// Options of `view`.
+#[derive(Debug, Args)]
+#[command(after_help = VIEW_EXAMPLES)]
+pub struct ViewOptions {
+    /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    pub scene: Option<PathBuf>,
+    /// Read the scene again when its file changes
+    #[arg(long)]
+    pub watch: bool,
+
+    /// Size of the picture in the window, in pixels of the screen
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = values::size)]
+    #[arg(help_heading = "Window")]
+    pub size: [u32; 2],
+    /// Fill the screen
+    #[arg(long, help_heading = "Window")]
+    pub fullscreen: bool,
+
+    #[command(flatten)]
+    pub machine: MachineOptions,
+
+    /// Take the scene's warnings as errors
+    #[arg(long, help_heading = "Messages")]
+    pub strict: bool,
 }
 
 /// Options of `query`.

@@ -7,5 +7,6 @@
 
 pub mod error;
 pub mod live;
+pub mod window;
 
 pub use error::ViewerError;

@@ -1,0 +1,37 @@
+//! `raywarp view`.
+
+use raywarp::backend::Device;
+use raywarp_viewer::live::{Source, Stage, StageOptions, Viewer};
+use raywarp_viewer::window::{self, Display, WindowOptions};
+
+use crate::interrupt::Interrupt;
+use crate::options::ViewOptions;
+use crate::render::limit_threads;
+use crate::say;
+
+/// Shows a scene in a window until it is closed.
+pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
+    let display = Display::open()?;
+    let interrupt = Interrupt::install();
+    let folder = std::env::current_dir()?;
+    limit_threads(options.machine.threads)?;
+
+    let device = Device::open(options.machine.device)?;
+    say::fallback(&device);
+    let stage = Stage::open(source(options), device, stage_options(options));
+    let keep = move |name: &str, content: &[u8]| {
+        let _held = interrupt.hold();
+        window::keep(&folder, name, content)
+    };
+    let window = WindowOptions { size: options.size, fullscreen: options.fullscreen, keep: Box::new(keep) };
+    Ok(display.show(stage, Viewer::new(options.size), window)?)
+}
+
+fn source(options: &ViewOptions) -> Source {
+    Source { path: options.scene.clone(), strict: options.strict, watch: options.watch }
+}
+
+fn stage_options(options: &ViewOptions) -> StageOptions {
+    let machine = &options.machine;
+    StageOptions { accel: machine.accel, quality: machine.tree, cached: !machine.no_cache, ..StageOptions::default() }
+}
