@@ -15,6 +15,7 @@ mod query;
 mod render;
 mod report;
 mod say;
+mod serve;
 mod values;
 mod viewpoint;
 
@@ -29,6 +30,7 @@ fn main() -> ExitCode {
         None => render::run(&RenderOptions::built_in()),
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Query(options)) => query::run(&options),
+        Some(Command::Serve(options)) => serve::run(&options),
         Some(Command::Info(options)) => info::run(&options),
         Some(Command::Bench(options)) => bench::run(&options),
         Some(Command::Doctor) => doctor::run(),

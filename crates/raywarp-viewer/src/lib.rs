@@ -7,5 +7,6 @@
 
 pub mod error;
 pub mod live;
+pub mod serve;
 
 pub use error::ViewerError;
