@@ -141,17 +141,23 @@ const CONTROLS = {
     const color = element("input", { id: name, type: "color" });
     const power = element("input",
       { type: "number", min: 0, max: control.max, step: "any", "aria-label": `${label}: brightness` });
+    // The brightest channel is 1; kept beside the picker, which rounds.
+    let tint = [1, 1, 1];
     const put = () => {
-      const brightness = Math.min(Math.max(power.valueAsNumber || 0, 0), control.max);
-      set(fromHex(color.value).map((channel) => channel * brightness));
+      const brightness = control.max > 1 ? Math.min(Math.max(power.valueAsNumber || 0, 0), control.max) : 1;
+      set(tint.map((channel) => channel * brightness));
     };
-    color.oninput = put;
+    color.oninput = () => {
+      tint = fromHex(color.value);
+      put();
+    };
     power.onchange = put;
     return {
       parts: control.max > 1 ? [color, power] : [color],
       show(value) {
         const brightness = control.max > 1 ? Math.max(...value, 0) || 1 : 1;
-        color.value = toHex(value.map((channel) => channel / brightness));
+        tint = value.map((channel) => channel / brightness);
+        color.value = toHex(tint);
         power.value = shortened(brightness);
       },
     };
@@ -162,15 +168,21 @@ const CONTROLS = {
       id: index === 0 ? name : `${name}-${axis}`, type: "number", step: control.step > 0 ? control.step : "any",
       "aria-label": `${label} ${axis}`,
     }));
-    for (const number of numbers) {
+    // As the server has them: what is shown has fewer digits.
+    let exact = [0, 0, 0];
+    numbers.forEach((number, index) => {
       number.onchange = () => {
-        const value = numbers.map((one) => one.valueAsNumber);
-        if (value.every(Number.isFinite)) set(value);
+        if (!Number.isFinite(number.valueAsNumber)) return;
+        exact = exact.with(index, number.valueAsNumber);
+        set(exact);
       };
-    }
+    });
     return {
       parts: numbers,
-      show: (value) => numbers.forEach((number, index) => (number.value = shortened(value[index]))),
+      show(value) {
+        exact = value;
+        numbers.forEach((number, index) => (number.value = shortened(value[index])));
+      },
     };
   },
 
