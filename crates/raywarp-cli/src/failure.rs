@@ -6,6 +6,7 @@ use raywarp::backend::DeviceError;
 use raywarp::query::QueryError;
 use raywarp::render::RenderError;
 use raywarp::write::WriteError;
+use raywarp_viewer::serve::ServeError;
 use raywarp_viewer::window::WindowError;
 use raywarp_viewer::ViewerError;
 
@@ -44,17 +45,27 @@ fn is_broken_pipe(cause: &(dyn std::error::Error + 'static)) -> bool {
 fn is_of_device(cause: &(dyn std::error::Error + 'static)) -> bool {
     cause.is::<DeviceError>()
         || matches!(cause.downcast_ref(), Some(RenderError::Device(_)))
+        || matches!(cause.downcast_ref(), Some(ServeError::Viewer(error)) if is_viewers_device(error))
         || matches!(cause.downcast_ref(), Some(QueryError::Device(_)))
-        || matches!(cause.downcast_ref(), Some(WindowError::Viewer(error)) if is_of_viewers_device(error))
+        || matches!(cause.downcast_ref(), Some(WindowError::Viewer(error)) if is_viewers_device(error))
 }
 
-fn is_of_viewers_device(error: &ViewerError) -> bool {
+fn is_viewers_device(error: &ViewerError) -> bool {
     matches!(error, ViewerError::Device(_) | ViewerError::Render(RenderError::Device(_)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_device_that_fails_under_a_viewer_is_a_device_error() {
+        let of_device = |error: ServeError| anyhow::Error::from(error).chain().any(is_of_device);
+        let device = || DeviceError::NoDevice;
+        assert!(of_device(ViewerError::Device(device()).into()));
+        assert!(of_device(ViewerError::Render(RenderError::Device(device())).into()));
+        assert!(!of_device(ServeError::Scene("no such file".to_owned())));
+    }
 
     #[test]
     fn no_cause_is_said_twice() {

@@ -5,7 +5,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// What the shell expects of a program that SIGINT ended.
-const INTERRUPTED: i32 = 130;
+pub const INTERRUPTED: i32 = 130;
+
+/// On Ctrl-C or SIGTERM does this; the second time the program ends at once.
+pub fn once(end: impl Fn() + Send + 'static) {
+    let asked = AtomicBool::new(false);
+    // Where no handler can be set, the system's own still ends the program.
+    let _ = ctrlc::set_handler(move || {
+        if asked.swap(true, Ordering::Relaxed) {
+            std::process::exit(INTERRUPTED);
+        }
+        end();
+    });
+}
 
 /// Ends the program on Ctrl-C or SIGTERM, but not while a file is being written.
 pub struct Interrupt {

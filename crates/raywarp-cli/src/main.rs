@@ -15,6 +15,7 @@ mod query;
 mod render;
 mod report;
 mod say;
+mod serve;
 mod values;
 mod view;
 mod viewpoint;
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::View(options)) => view::run(&options),
         Some(Command::Query(options)) => query::run(&options),
+        Some(Command::Serve(options)) => serve::run(&options),
         Some(Command::Info(options)) => info::run(&options),
         Some(Command::Bench(options)) => bench::run(&options),
         Some(Command::Doctor) => doctor::run(),

@@ -33,6 +33,7 @@ Examples:
   raywarp render model.obj -o picture.png  a model, framed and lit if it has no camera and no lights
   raywarp view model.obj                   walk around it in a window
   raywarp query model.obj --rays rays.npy  what each of many rays hits, to hits.npz
+  raywarp serve model.glb                  walk through a scene in a browser, also one far away
   raywarp info scene.gltf                  what is in a scene
   raywarp doctor                           whether a GPU can be used, and if not what to do
 
@@ -75,6 +76,15 @@ Answers: t (inf for a miss), primitive and geometry (triangle of a mesh, instanc
 and the hits of all rays, those of ray i from offsets[i] to offsets[i + 1] and by distance.
 docs/query.md has examples.";
 
+const SERVE_EXAMPLES: &str = "\
+Examples:
+  raywarp serve model.glb                      open the address that it prints
+  raywarp serve scene.toml --port 0 --token    any free port, and a secret, where others share the machine
+  raywarp serve model.glb --host 0.0.0.0       for a whole network, always with a secret
+
+The picture is rendered here and shown there; the browser needs no GPU. On a machine that is reached by
+ssh, run the line that is printed on your own and open the address there. docs/serve.md has the rest.";
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -84,6 +94,8 @@ pub enum Command {
     View(Box<ViewOptions>),
     /// Ask many rays what they hit: the closest, any, all of it, or how much
     Query(QueryOptions),
+    /// Show a scene in browsers, here or through ssh, and let people walk through it
+    Serve(ServeOptions),
     /// Show what is in a scene: counts, bounds, materials, memory, quality of the trees
     Info(InfoOptions),
     /// Measure rays a second: primary, shadow, ambient occlusion, diffuse and random, beside other ray tracers
@@ -256,6 +268,40 @@ pub struct QueryOptions {
     /// Print nothing but errors
     #[arg(short, long, help_heading = "Messages")]
     pub quiet: bool,
+}
+
+/// Options of `serve`.
+#[derive(Debug, Args)]
+#[command(after_help = SERVE_EXAMPLES)]
+pub struct ServeOptions {
+    /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    pub scene: Option<PathBuf>,
+
+    /// Port; 0 takes any that is free
+    #[arg(long, value_name = "N", default_value_t = 8787, help_heading = "Network")]
+    pub port: u16,
+    /// Address to listen at: of this machine only as it stands, 0.0.0.0 for all networks
+    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1", help_heading = "Network")]
+    pub host: String,
+    /// Let in only who has this secret; without a value, or for any other address than this machine's own, one is made
+    /// at random and printed
+    #[arg(long, value_name = "TEXT", num_args = 0..=1, require_equals = true, default_missing_value = "")]
+    #[arg(help_heading = "Network")]
+    pub token: Option<String>,
+    /// Most browsers at a time
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(help_heading = "Network")]
+    pub viewers: u32,
+
+    /// Read the scene again when its file changes
+    #[arg(long, help_heading = "Scene")]
+    pub watch: bool,
+    /// Take the scene's warnings as errors
+    #[arg(long, help_heading = "Scene")]
+    pub strict: bool,
+
+    #[command(flatten)]
+    pub machine: MachineOptions,
 }
 
 /// Options of `info`.

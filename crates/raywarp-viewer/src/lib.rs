@@ -7,6 +7,7 @@
 
 pub mod error;
 pub mod live;
+pub mod serve;
 pub mod window;
 
 pub use error::ViewerError;

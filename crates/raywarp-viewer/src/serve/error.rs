@@ -1,0 +1,58 @@
+//! What can go wrong with a server.
+
+use std::io;
+
+use crate::ViewerError;
+
+/// Why nothing is served.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ServeError {
+    /// The host is no address.
+    #[error("'{host}' is no address of this machine: {reason}; give one as --host 127.0.0.1, or 0.0.0.0 for all")]
+    Host {
+        /// As it was given.
+        host: String,
+        /// The system's words.
+        reason: io::Error,
+    },
+    /// Somebody else has the port.
+    #[error(
+        "port {port} of {host} is taken, perhaps by another `raywarp serve`; give another with --port, or --port 0 for \
+         any that is free"
+    )]
+    PortTaken {
+        /// The host.
+        host: String,
+        /// The port.
+        port: u16,
+    },
+    /// The system does not give the port.
+    #[error("cannot listen at port {port} of {host}: {reason}; give another --port or --host")]
+    Port {
+        /// The host.
+        host: String,
+        /// The port.
+        port: u16,
+        /// The system's words.
+        reason: io::Error,
+    },
+    /// A token that cannot be used.
+    #[error("a token has 8 to 128 letters, digits, '-' or '_': this one has {0}; leave it out to get one made at random")]
+    Token(String),
+    /// The system has no random numbers.
+    #[error("the system gives no random numbers for a token: {0}; give one with --token")]
+    Random(getrandom::Error),
+    /// The threads of the server cannot be started.
+    #[error("cannot start the threads of the server: {0}; the limit of processes may be reached")]
+    Threads(io::Error),
+    /// The scene cannot be shown.
+    #[error("{0}")]
+    Scene(String),
+    /// Rendering fails.
+    #[error(transparent)]
+    Viewer(#[from] ViewerError),
+    /// Rendering panicked.
+    #[error("rendering stopped by a defect of raywarp: {0}; please report it with the scene and what was done last")]
+    Panic(String),
+}

@@ -1,0 +1,140 @@
+//! Connections, the files of the page, and the way to the WebSocket.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::extract::{State, WebSocketUpgrade};
+use axum::http::{header, HeaderMap, Method, StatusCode, Uri};
+use axum::response::{IntoResponse, Response};
+use axum::routing::any;
+use axum::Router;
+use hyper::server::conn::http1;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use hyper_util::service::TowerToHyperService;
+use tokio::net::{TcpListener, TcpStream};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::time::{sleep, timeout};
+
+use super::address::is_own;
+use super::hall::Hall;
+use super::protocol::MAX_MESSAGE;
+use super::{socket, ServeOptions};
+
+/// Most connections that have not become a client's: requests, and sockets without a greeting.
+const LOBBY: usize = 64;
+/// Headers of a request, in bytes.
+const MAX_HEAD: usize = 16 << 10;
+
+/// The page's own files and nothing else; no other page may frame it.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src data: blob:; connect-src 'self'; \
+                      base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+const PLAIN: &str = "text/plain; charset=utf-8";
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+
+/// The page: path, media type, content.
+const FILES: [(&str, &str, &str); 9] = [
+    ("/", "text/html; charset=utf-8", include_str!("page/index.html")),
+    ("/style.css", "text/css; charset=utf-8", include_str!("page/style.css")),
+    ("/viewer.js", SCRIPT, include_str!("page/viewer.js")),
+    ("/input.js", SCRIPT, include_str!("page/input.js")),
+    ("/link.js", SCRIPT, include_str!("page/link.js")),
+    ("/panel.js", SCRIPT, include_str!("page/panel.js")),
+    ("/picture.js", SCRIPT, include_str!("page/picture.js")),
+    ("/stats.js", SCRIPT, include_str!("page/stats.js")),
+    ("/words.js", SCRIPT, include_str!("page/words.js")),
+];
+
+/// What every request needs.
+#[derive(Debug)]
+pub struct House {
+    pub hall: Arc<Hall>,
+    pub options: ServeOptions,
+    requests: Arc<Semaphore>,
+    lobby: Arc<Semaphore>,
+}
+
+impl House {
+    pub fn new(hall: Arc<Hall>, options: ServeOptions) -> Self {
+        Self { hall, options, requests: Arc::new(Semaphore::new(LOBBY)), lobby: Arc::new(Semaphore::new(LOBBY)) }
+    }
+}
+
+/// Takes connections for ever. Those beyond the limit wait in the system's queue.
+pub async fn listen(listener: TcpListener, house: Arc<House>) {
+    let router = Router::new().route("/live", any(live)).fallback(page).with_state(Arc::clone(&house));
+    loop {
+        let Ok(permit) = Arc::clone(&house.requests).acquire_owned().await else { return };
+        match listener.accept().await {
+            Ok((stream, _)) => {
+                tokio::spawn(answer(stream, router.clone(), house.options.patience.request, permit));
+            }
+            // Too many open files, most likely: some will be closed.
+            Err(_) => sleep(Duration::from_millis(50)).await,
+        }
+    }
+}
+
+/// Answers the requests of a connection until it becomes a WebSocket or its time is over.
+async fn answer(stream: TcpStream, router: Router, patience: Duration, _permit: OwnedSemaphorePermit) {
+    let _ = stream.set_nodelay(true);
+    let mut builder = http1::Builder::new();
+    builder.timer(TokioTimer::new()).header_read_timeout(patience).max_buf_size(MAX_HEAD);
+    let connection = builder.serve_connection(TokioIo::new(stream), TowerToHyperService::new(router));
+    let _ = timeout(patience, connection.with_upgrades()).await;
+}
+
+/// Refuses what other pages, or this one under a foreign name, ask for.
+fn check(headers: &HeaderMap, house: &House) -> Result<(), Box<Response>> {
+    let text = |name| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
+    if is_own(text(header::HOST), text(header::ORIGIN), house.options.token.is_some()) {
+        return Ok(());
+    }
+    let sentence = "This request comes from another page, or under a name that is not this server's. Open the address \
+                    that `raywarp serve` printed; to reach it by another name, serve with --token.\n";
+    Err(Box::new(reply(StatusCode::FORBIDDEN, PLAIN, sentence)))
+}
+
+async fn page(State(house): State<Arc<House>>, method: Method, uri: Uri, headers: HeaderMap) -> Response {
+    if let Err(refusal) = check(&headers, &house) {
+        return *refusal;
+    }
+    if method != Method::GET && method != Method::HEAD {
+        return reply(StatusCode::METHOD_NOT_ALLOWED, PLAIN, "Only GET is answered here.\n");
+    }
+    match FILES.iter().find(|(path, ..)| *path == uri.path()) {
+        Some((_, kind, content)) => reply(StatusCode::OK, kind, content),
+        None => reply(StatusCode::NOT_FOUND, PLAIN, "There is only one page here: /\n"),
+    }
+}
+
+async fn live(
+    State(house): State<Arc<House>>,
+    headers: HeaderMap,
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+) -> Response {
+    if let Err(refusal) = check(&headers, &house) {
+        return *refusal;
+    }
+    let upgrade = match upgrade {
+        Ok(upgrade) => upgrade,
+        Err(rejection) => return rejection.into_response(),
+    };
+    let Ok(permit) = Arc::clone(&house.lobby).try_acquire_owned() else {
+        return reply(StatusCode::SERVICE_UNAVAILABLE, PLAIN, "Too many connections at once. Try again.\n");
+    };
+    let upgrade = upgrade.max_message_size(MAX_MESSAGE).max_frame_size(MAX_MESSAGE);
+    upgrade.on_upgrade(move |socket| socket::serve(socket, house, permit))
+}
+
+fn reply(status: StatusCode, kind: &'static str, body: &'static str) -> Response {
+    let headers = [
+        (header::CONTENT_TYPE, kind),
+        (header::CONTENT_SECURITY_POLICY, POLICY),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::REFERRER_POLICY, "no-referrer"),
+        // A page from before an update would speak to the server of after.
+        (header::CACHE_CONTROL, "no-cache"),
+    ];
+    (status, headers, body).into_response()
+}

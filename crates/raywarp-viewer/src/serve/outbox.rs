@@ -1,0 +1,117 @@
+//! What waits to be sent to a client.
+
+use std::collections::VecDeque;
+use std::sync::Mutex;
+
+use axum::body::Bytes;
+use tokio::sync::Notify;
+
+use super::hall::lock;
+
+/// Most files that wait.
+const FILES: usize = 2;
+
+/// Text of which only the latest counts, files, and pictures.
+#[derive(Debug, Default)]
+pub struct Outbox {
+    waiting: Mutex<Waiting>,
+    filled: Notify,
+}
+
+#[derive(Debug, Default)]
+struct Waiting {
+    failure: Option<String>,
+    status: Option<String>,
+    panel: Option<String>,
+    copy: Option<String>,
+    files: VecDeque<File>,
+    frames: VecDeque<Frame>,
+}
+
+/// A file and the message that announces it.
+#[derive(Debug)]
+pub struct File {
+    pub head: String,
+    pub content: Bytes,
+}
+
+/// An encoded picture.
+#[derive(Debug)]
+pub struct Frame {
+    pub number: u32,
+    /// Whether it is sent in small portions and dropped for newer ones.
+    pub lossless: bool,
+    /// From top to bottom, with their heads.
+    pub stripes: Vec<Bytes>,
+}
+
+/// The next thing to send.
+#[derive(Debug)]
+pub enum Parcel {
+    /// The last one: why there is nothing more.
+    Failure(String),
+    Text(String),
+    File(File),
+    Frame(Frame),
+}
+
+impl Outbox {
+    pub fn status(&self, text: String) {
+        lock(&self.waiting).status = Some(text);
+        self.filled.notify_one();
+    }
+
+    pub fn panel(&self, text: String) {
+        lock(&self.waiting).panel = Some(text);
+        self.filled.notify_one();
+    }
+
+    pub fn copy(&self, text: String) {
+        lock(&self.waiting).copy = Some(text);
+        self.filled.notify_one();
+    }
+
+    /// Adds a file, unless others wait that the client has not taken.
+    pub fn file(&self, file: File) {
+        let mut waiting = lock(&self.waiting);
+        if waiting.files.len() < FILES {
+            waiting.files.push_back(file);
+        }
+        drop(waiting);
+        self.filled.notify_one();
+    }
+
+    /// Adds a picture. Their number is bounded by who makes them, as none is made before the last but one has arrived.
+    pub fn frame(&self, frame: Frame) {
+        lock(&self.waiting).frames.push_back(frame);
+        self.filled.notify_one();
+    }
+
+    /// The client can get no more.
+    pub fn fail(&self, text: String) {
+        lock(&self.waiting).failure = Some(text);
+        self.filled.notify_one();
+    }
+
+    /// The next thing, as soon as there is one: pictures first, as they age fastest.
+    pub async fn next(&self) -> Parcel {
+        loop {
+            if let Some(parcel) = lock(&self.waiting).take() {
+                return parcel;
+            }
+            self.filled.notified().await;
+        }
+    }
+}
+
+impl Waiting {
+    fn take(&mut self) -> Option<Parcel> {
+        let failure = self.failure.take().map(Parcel::Failure);
+        let frame = || self.frames.pop_front().map(Parcel::Frame);
+        if let Some(parcel) = failure.or_else(frame) {
+            return Some(parcel);
+        }
+        let text = self.status.take().or_else(|| self.panel.take()).or_else(|| self.copy.take());
+        text.map(Parcel::Text).or_else(|| self.files.pop_front().map(Parcel::File))
+    }
+}

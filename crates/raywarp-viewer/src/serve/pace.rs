@@ -1,0 +1,121 @@
+//! How many pictures are on their way to a client.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+/// Most of them at a time: one is made while the other travels.
+pub const IN_FLIGHT: usize = 2;
+
+/// Pictures from the moment they are begun until the client shows them.
+#[derive(Debug, Default)]
+pub struct Pace {
+    flights: VecDeque<Flight>,
+}
+
+#[derive(Debug)]
+struct Flight {
+    frame: u32,
+    lossless: bool,
+    sent: Option<Instant>,
+    bytes: u64,
+    received: u64,
+}
+
+/// A picture that has arrived.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Delivery {
+    /// From its first byte sent to the acknowledgement.
+    pub time: Duration,
+    /// Of it.
+    pub bytes: u64,
+    /// Whether it was sent in portions, so that its time means little.
+    pub lossless: bool,
+}
+
+impl Pace {
+    pub fn is_ready(&self) -> bool {
+        self.flights.len() < IN_FLIGHT
+    }
+
+    pub fn is_idle(&self) -> bool {
+        self.flights.is_empty()
+    }
+
+    pub fn depart(&mut self, frame: u32, lossless: bool) {
+        self.flights.push_back(Flight { frame, lossless, sent: None, bytes: 0, received: 0 });
+    }
+
+    pub fn sent(&mut self, frame: u32, bytes: usize) {
+        if let Some(flight) = self.find(frame) {
+            (flight.sent, flight.bytes) = (Some(Instant::now()), bytes as u64);
+        }
+    }
+
+    pub fn received(&mut self, frame: u32, bytes: u64) {
+        if let Some(flight) = self.find(frame) {
+            flight.received = flight.received.max(bytes);
+        }
+    }
+
+    /// Bytes of a picture that the client has.
+    pub fn arrived(&self, frame: u32) -> u64 {
+        self.flights.iter().find(|flight| flight.frame == frame).map_or(u64::MAX, |flight| flight.received)
+    }
+
+    pub fn abandon(&mut self, frame: u32) {
+        self.flights.retain(|flight| flight.frame != frame);
+    }
+
+    /// This picture and all before it are shown. None where it is not on its way, or has not even been sent: clients
+    /// can say anything.
+    pub fn acknowledge(&mut self, frame: u32) -> Option<Delivery> {
+        let Flight { sent, bytes, lossless, .. } = *self.find(frame)?;
+        let time = sent?.elapsed();
+        self.flights.retain(|flight| flight.frame > frame);
+        Some(Delivery { time, bytes, lossless })
+    }
+
+    fn find(&mut self, frame: u32) -> Option<&mut Flight> {
+        self.flights.iter_mut().find(|flight| flight.frame == frame)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_travel_and_the_third_waits() {
+        let mut pace = Pace::default();
+        assert!(pace.is_idle() && pace.is_ready());
+        pace.depart(1, false);
+        pace.depart(2, true);
+        assert!(!pace.is_ready());
+        assert_eq!(pace.acknowledge(1), None, "not sent yet");
+        assert_eq!(pace.acknowledge(7), None, "never begun");
+        pace.sent(1, 100);
+        assert_eq!(pace.acknowledge(1).map(|delivery| delivery.bytes), Some(100));
+        assert!(pace.is_ready() && !pace.is_idle());
+        pace.abandon(2);
+        assert!(pace.is_idle());
+    }
+
+    #[test]
+    fn a_later_picture_stands_for_those_before_it() {
+        let mut pace = Pace::default();
+        pace.depart(1, false);
+        pace.depart(2, false);
+        pace.sent(2, 1);
+        assert!(pace.acknowledge(2).is_some() && pace.is_idle());
+    }
+
+    #[test]
+    fn what_has_arrived_only_grows() {
+        let mut pace = Pace::default();
+        pace.depart(5, true);
+        pace.received(5, 100);
+        pace.received(5, 40);
+        pace.received(6, 1000);
+        assert_eq!((pace.arrived(5), pace.arrived(6)), (100, u64::MAX));
+    }
+}

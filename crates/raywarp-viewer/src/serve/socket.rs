@@ -1,0 +1,280 @@
+//! A client's WebSocket.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use axum::body::Bytes;
+use axum::extract::ws::{CloseFrame, Message, WebSocket};
+use axum::Error;
+use futures_util::stream::{SplitSink, SplitStream};
+use futures_util::{SinkExt, StreamExt};
+use tokio::sync::OwnedSemaphorePermit;
+use tokio::time::{interval, sleep, timeout, Interval};
+
+use super::client::Client;
+use super::hall::{Ending, Hall};
+use super::http::House;
+use super::input::checked;
+use super::outbox::{Frame, Parcel};
+use super::protocol::{close, FromClient, FromServer, VERSION};
+
+/// Between two pings.
+const PINGS: Duration = Duration::from_secs(2);
+/// Before a wrong token is answered, so that guessing takes long.
+const HESITATION: Duration = Duration::from_millis(300);
+/// For a client to take notice that the connection is closed.
+const FAREWELL: Duration = Duration::from_secs(1);
+/// Longest reason that fits a close frame, in bytes.
+const REASON: usize = 120;
+
+type Sink = SplitSink<WebSocket, Message>;
+type Stream = SplitStream<WebSocket>;
+
+/// Serves one client until either side has enough. The permit is for those who have not said hello.
+pub async fn serve(socket: WebSocket, house: Arc<House>, lobby: OwnedSemaphorePermit) {
+    let (mut sink, mut stream) = socket.split();
+    let end = match greet(&mut sink, &mut stream, &house).await {
+        Ok((client, _seat)) => {
+            drop(lobby);
+            let end = attend(&mut sink, &mut stream, &client, &house).await;
+            client.leave();
+            house.hall.bell.ring();
+            end
+        }
+        Err(end) => end,
+    };
+    if let Some(ending) = end {
+        let _ = timeout(FAREWELL, part(sink, stream, ending)).await;
+    }
+}
+
+fn ending(code: u16, text: impl Into<String>) -> Option<Ending> {
+    Some(Ending { code, text: text.into(), error: true })
+}
+
+/// Hears the client's greeting and answers it. Without one, how to part.
+async fn greet(
+    sink: &mut Sink,
+    stream: &mut Stream,
+    house: &House,
+) -> Result<(Arc<Client>, OwnedSemaphorePermit), Option<Ending>> {
+    let first = timeout(house.options.patience.hello, stream.next()).await;
+    let first = first.map_err(|_| ending(close::SILENT, "no greeting came in time"))?;
+    let text = match first {
+        Some(Ok(Message::Text(text))) => text,
+        Some(Ok(_)) => return Err(ending(close::UNREADABLE, "the first message must be a greeting: \"hello\"")),
+        Some(Err(error)) => return Err(broken(&error)),
+        None => return Err(None),
+    };
+    let Ok(FromClient::Hello { protocol, token, width, height }) = serde_json::from_str(&text) else {
+        return Err(ending(close::UNREADABLE, "the first message must be a greeting: \"hello\""));
+    };
+    if house.options.token.as_ref().is_some_and(|wanted| !wanted.is(&token)) {
+        sleep(HESITATION).await;
+        return Err(ending(close::TOKEN, "the token is missing or wrong: open the address that the server printed"));
+    }
+    let hello = Message::text(FromServer::hello().text());
+    if protocol != VERSION {
+        let _ = sink.send(hello).await;
+        let text = format!("this server speaks version {VERSION} of the protocol, the page {protocol}: reload the page");
+        return Err(ending(close::VERSION, text));
+    }
+    let full = || {
+        let most = house.hall.size();
+        ending(close::FULL, format!("all {most} places are taken: try again later, or serve with more --viewers"))
+    };
+    let (client, seat) = house.hall.admit([width, height]).ok_or_else(full)?;
+    if sink.send(hello).await.is_err() {
+        client.leave();
+        return Err(None);
+    }
+    Ok((client, seat))
+}
+
+/// Both directions at once, until one ends; and how to part, if the client is still there to hear it.
+async fn attend(sink: &mut Sink, stream: &mut Stream, client: &Client, house: &House) -> Option<Ending> {
+    let mut told = house.hall.ending();
+    let life = Life::default();
+    tokio::select! {
+        end = listen(stream, client, &house.hall, &life) => end,
+        end = speak(sink, client, &life) => end,
+        end = watch(&life, house.options.patience.silence) => end,
+        end = told.wait_for(Option::is_some) => end.ok().and_then(|end| end.clone()),
+    }
+}
+
+/// When a client was last heard.
+struct Life {
+    born: Instant,
+    /// In microseconds since then.
+    heard: AtomicU64,
+}
+
+impl Default for Life {
+    fn default() -> Self {
+        Self { born: Instant::now(), heard: AtomicU64::new(0) }
+    }
+}
+
+impl Life {
+    fn now(&self) -> u64 {
+        self.born.elapsed().as_micros() as u64
+    }
+
+    fn sign(&self) {
+        self.heard.store(self.now(), Ordering::Relaxed);
+    }
+
+    fn silence(&self) -> Duration {
+        Duration::from_micros(self.now().saturating_sub(self.heard.load(Ordering::Relaxed)))
+    }
+}
+
+async fn watch(life: &Life, patience: Duration) -> Option<Ending> {
+    loop {
+        let left = patience.saturating_sub(life.silence());
+        if left.is_zero() {
+            return ending(close::SILENT, "nothing was heard from the page");
+        }
+        sleep(left).await;
+    }
+}
+
+async fn listen(stream: &mut Stream, client: &Client, hall: &Hall, life: &Life) -> Option<Ending> {
+    while let Some(message) = stream.next().await {
+        life.sign();
+        let done = match message {
+            Ok(Message::Text(text)) => hear(&text, client, life).await,
+            Ok(Message::Pong(time)) => {
+                pong(&time, client, life);
+                ControlFlow::Continue(())
+            }
+            Ok(Message::Ping(_)) => ControlFlow::Continue(()),
+            Ok(Message::Binary(_)) => ControlFlow::Break("messages of clients are text, not binary".to_owned()),
+            Ok(Message::Close(_)) => return None,
+            Err(error) => return broken(&error),
+        };
+        if let ControlFlow::Break(text) = done {
+            return ending(close::UNREADABLE, text);
+        }
+        hall.bell.ring();
+    }
+    None
+}
+
+async fn hear(text: &str, client: &Client, life: &Life) -> ControlFlow<String> {
+    let message = match serde_json::from_str(text) {
+        Ok(message) => message,
+        Err(error) => return ControlFlow::Break(format!("a message cannot be read: {error}")),
+    };
+    match message {
+        FromClient::Event { event } => match checked(event) {
+            Ok(event) => put(client, event, life).await,
+            Err(text) => return ControlFlow::Break(text.to_owned()),
+        },
+        FromClient::Mark { mark } => client.mark(mark),
+        FromClient::Ack { frame } => client.acknowledge(frame),
+        FromClient::Received { frame, bytes } => client.received(frame, bytes),
+        FromClient::Visible { visible } => client.set_visible(visible),
+        FromClient::Hello { .. } => return ControlFlow::Break("a second greeting".to_owned()),
+    }
+    ControlFlow::Continue(())
+}
+
+/// Waits for room; it is not the client's silence meanwhile.
+async fn put(client: &Client, event: crate::live::Event, life: &Life) {
+    let put = client.input(event);
+    tokio::pin!(put);
+    while timeout(Duration::from_secs(1), &mut put).await.is_err() {
+        life.sign();
+    }
+}
+
+/// Pings carry the time at which they were sent.
+fn pong(time: &Bytes, client: &Client, life: &Life) {
+    let Ok(sent) = <[u8; 8]>::try_from(time.as_ref()).map(u64::from_le_bytes) else { return };
+    client.pinged(Duration::from_micros(life.now().saturating_sub(sent)));
+}
+
+async fn speak(sink: &mut Sink, client: &Client, life: &Life) -> Option<Ending> {
+    let mut pings = interval(PINGS);
+    loop {
+        let parcel = tokio::select! {
+            biased;
+            _ = pings.tick() => {
+                ping(sink, life).await.ok()?;
+                continue;
+            }
+            parcel = client.outbox.next() => parcel,
+        };
+        let sent = match parcel {
+            Parcel::Failure(text) => return ending(close::FAILED, text),
+            Parcel::Text(text) => sink.send(Message::text(text)).await,
+            Parcel::File(file) => {
+                sink.send(Message::text(file.head)).await.ok()?;
+                sink.send(Message::Binary(file.content)).await
+            }
+            Parcel::Frame(frame) if frame.lossless => send_portions(sink, client, frame, &mut pings, life).await,
+            Parcel::Frame(frame) => send_whole(sink, client, frame).await,
+        };
+        sent.ok()?;
+    }
+}
+
+async fn ping(sink: &mut Sink, life: &Life) -> Result<(), Error> {
+    sink.send(Message::Ping(Bytes::copy_from_slice(&life.now().to_le_bytes()))).await
+}
+
+async fn send_whole(sink: &mut Sink, client: &Client, frame: Frame) -> Result<(), Error> {
+    client.sent(frame.number, frame.stripes.iter().map(Bytes::len).sum());
+    for stripe in frame.stripes {
+        sink.feed(Message::Binary(stripe)).await?;
+    }
+    sink.flush().await
+}
+
+/// Sends no more at a time than arrives in a moment, and stops for a newer picture.
+async fn send_portions(
+    sink: &mut Sink,
+    client: &Client,
+    frame: Frame,
+    pings: &mut Interval,
+    life: &Life,
+) -> Result<(), Error> {
+    client.sent(frame.number, frame.stripes.iter().map(Bytes::len).sum());
+    let mut sent = 0;
+    for stripe in frame.stripes {
+        loop {
+            tokio::select! {
+                () = client.wait_for_room(frame.number, sent) => break,
+                _ = pings.tick() => ping(sink, life).await?,
+            }
+        }
+        if client.is_old(frame.number) {
+            client.abandon(frame.number);
+            return Ok(());
+        }
+        sent += stripe.len() as u64;
+        sink.send(Message::Binary(stripe)).await?;
+    }
+    Ok(())
+}
+
+/// How to part from a client whose messages break the rules of WebSocket.
+fn broken(error: &Error) -> Option<Ending> {
+    let text = error.to_string();
+    let code = if text.contains("too long") { close::TOO_LONG } else { close::UNREADABLE };
+    ending(code, format!("a message cannot be read: {text}"))
+}
+
+/// Says why, closes, and waits for the client to have heard it.
+async fn part(mut sink: Sink, mut stream: Stream, ending: Ending) {
+    let end = FromServer::End { text: &ending.text, error: ending.error };
+    let _ = sink.feed(Message::text(end.text())).await;
+    let reason = ending.text.floor_char_boundary(REASON);
+    let reason = ending.text.get(..reason).unwrap_or_default().to_owned();
+    let _ = sink.send(Message::Close(Some(CloseFrame { code: ending.code, reason: reason.into() }))).await;
+    while let Some(Ok(_)) = stream.next().await {}
+}
