@@ -107,6 +107,11 @@ impl Server {
         address::url(self.at, self.options.token.as_ref())
     }
 
+    /// What to open on a machine where [`ssh_line`](Self::ssh_line) runs.
+    pub fn url_through_ssh(&self) -> String {
+        address::url((std::net::Ipv4Addr::LOCALHOST, self.at.port()).into(), self.options.token.as_ref())
+    }
+
     /// The command that brings the port to another machine, for people to run there.
     pub fn ssh_line(&self) -> String {
         address::ssh_line(self.at)

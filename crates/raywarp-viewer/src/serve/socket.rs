@@ -78,7 +78,8 @@ async fn greet(
     let hello = Message::text(FromServer::hello().text());
     if protocol != VERSION {
         let _ = sink.send(hello).await;
-        let text = format!("this server speaks version {VERSION} of the protocol, the page {protocol}: reload the page");
+        let text =
+            format!("this server speaks version {VERSION} of the protocol, the page {protocol}: reload the page");
         return Err(ending(close::VERSION, text));
     }
     let full = || {
