@@ -32,7 +32,7 @@ fn options_that_make_no_sense_are_refused() {
     serve("--token=with/slash-in-it").fails(2, "'/'");
     serve("--host=192.0.2.1").fails(2, "no address of this machine");
     serve("--viewers=0").fails(2, "0 is not in 1..=1000");
-    serve("--port=65536").fails(2, "65536");
+    place.run(&["serve", "--port=65536"]).fails(2, "65536");
 }
 
 #[test]
