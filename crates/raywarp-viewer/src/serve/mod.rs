@@ -1,8 +1,8 @@
 //! The viewer in a browser: a server for one scene, with its page inside.
 //!
-//! One thread, the [`theatre`], owns the [`Stage`] and renders for every client in turn. Each client has a task for its
-//! WebSocket, and the two meet in a [`client`]: input one way, pictures and state the other, neither ever more than a
-//! few items. Pictures are cut in [`stripes`] and encoded beside the render thread. [`protocol`] says what goes over the
+//! One thread, the `theatre`, owns the [`Stage`] and renders for every client in turn. Each client has a task for its
+//! WebSocket, and the two meet in a `client`: input one way, pictures and state the other, neither ever more than a
+//! few items. Pictures are cut in `stripes` and encoded beside the render thread. `protocol` says what goes over the
 //! wire; the page is its other side.
 
 mod address;

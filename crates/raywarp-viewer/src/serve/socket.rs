@@ -274,8 +274,10 @@ fn broken(error: &Error) -> Option<Ending> {
 async fn part(mut sink: Sink, mut stream: Stream, ending: Ending) {
     let end = FromServer::End { text: &ending.text, error: ending.error };
     let _ = sink.feed(Message::text(end.text())).await;
-    let reason = ending.text.floor_char_boundary(REASON);
-    let reason = ending.text.get(..reason).unwrap_or_default().to_owned();
+    let mut reason = ending.text;
+    while reason.len() > REASON {
+        reason.pop();
+    }
     let _ = sink.send(Message::Close(Some(CloseFrame { code: ending.code, reason: reason.into() }))).await;
     while let Some(Ok(_)) = stream.next().await {}
 }
