@@ -40,8 +40,9 @@ fn settings(options: &ServeOptions) -> anyhow::Result<serve::ServeOptions> {
 /// The address is the result: it goes to standard output, alone.
 fn announce(server: &Server, options: &ServeOptions) -> anyhow::Result<()> {
     let scene = options.scene.as_ref().map_or("the built-in scene".to_owned(), |path| path.display().to_string());
-    say::line(&format!("{scene} in a browser of this machine, until Ctrl-C:"));
+    say::line(&format!("{scene} until Ctrl-C, in a browser at"));
     say::out(format!("{}\n", server.url()).as_bytes())?;
-    say::line(&format!("from another machine, run this there and open http://127.0.0.1:{0}/ with what follows the # above, if anything:\n{1}", server.address().port(), server.ssh_line()));
+    let (command, there) = (server.ssh_line(), server.url_through_ssh());
+    say::line(&format!("through ssh: on the machine of the browser run\n{command}\nand open {there} there"));
     Ok(())
 }

@@ -13,6 +13,7 @@ fn the_help_reads_as_it_should() {
     insta::assert_snapshot!("raywarp", help(&["--help"]));
     insta::assert_snapshot!("render", help(&["render", "--help"]));
     insta::assert_snapshot!("query", help(&["query", "--help"]));
+    insta::assert_snapshot!("serve", help(&["serve", "--help"]));
     insta::assert_snapshot!("info", help(&["info", "--help"]));
     insta::assert_snapshot!("bench", help(&["bench", "--help"]));
     insta::assert_snapshot!("doctor", help(&["doctor", "--help"]));

@@ -382,7 +382,9 @@ fn the_page_is_served_with_a_strict_policy() {
     };
     let page = get("/");
     assert!(page.starts_with("HTTP/1.1 200") && page.contains("default-src 'none'"), "{page}");
-    for (path, kind) in [("/style.css", "text/css"), ("/viewer.js", "text/javascript"), ("/words.js", "text/javascript")] {
+    for (path, kind) in
+        [("/style.css", "text/css"), ("/viewer.js", "text/javascript"), ("/words.js", "text/javascript")]
+    {
         let file = get(path);
         assert!(file.starts_with("HTTP/1.1 200") && file.contains(kind), "{path}: {file}");
     }

@@ -1,6 +1,8 @@
 //! Runs the program as a shell would.
 #![allow(dead_code, missing_docs)]
 
+pub mod browser;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

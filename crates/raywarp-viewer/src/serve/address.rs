@@ -94,11 +94,13 @@ mod tests {
             assert!(is_own(Some(host), None, false), "{host}");
             assert!(is_own(Some(host), Some(&format!("http://{host}")), false), "{host}");
         }
-        for host in ["evil.example:8787", "localhost.evil.example", "127.0.0.1.evil.example", "10.0.0.1:8787", "", "::"] {
+        for host in ["evil.example:8787", "localhost.evil.example", "127.0.0.1.evil.example", "10.0.0.1:8787", "", "::"]
+        {
             assert!(!is_own(Some(host), None, false), "{host}");
             assert!(is_own(Some(host), None, true), "{host}");
         }
-        for origin in ["http://evil.example", "null", "http://localhost:1", "file://", "", "http://localhost:8787.evil"] {
+        for origin in ["http://evil.example", "null", "http://localhost:1", "file://", "", "http://localhost:8787.evil"]
+        {
             assert!(!is_own(Some("localhost:8787"), Some(origin), true), "{origin}");
         }
         assert!(!is_own(None, None, true));

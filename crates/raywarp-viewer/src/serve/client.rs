@@ -74,7 +74,8 @@ impl Client {
 
     /// Whether another picture may leave.
     pub fn is_ready(&self) -> bool {
-        self.visible.load(Ordering::Relaxed) && lock(&self.flow).pace.is_ready()
+        let flow = lock(&self.flow);
+        self.visible.load(Ordering::Relaxed) && flow.pace.is_ready(flow.quality.is_late())
     }
 
     /// Whether nothing is on its way.

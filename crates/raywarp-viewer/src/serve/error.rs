@@ -38,7 +38,9 @@ pub enum ServeError {
         reason: io::Error,
     },
     /// A token that cannot be used.
-    #[error("a token has 8 to 128 letters, digits, '-' or '_': this one has {0}; leave it out to get one made at random")]
+    #[error(
+        "a token has 8 to 128 letters, digits, '-' or '_': this one has {0}; leave it out to get one made at random"
+    )]
     Token(String),
     /// The system has no random numbers.
     #[error("the system gives no random numbers for a token: {0}; give one with --token")]

@@ -1,8 +1,8 @@
 //! The viewer in a browser: a server for one scene, with its page inside.
 //!
-//! One thread, the [`theatre`], owns the [`Stage`] and renders for every client in turn. Each client has a task for its
-//! WebSocket, and the two meet in a [`client`]: input one way, pictures and state the other, neither ever more than a
-//! few items. Pictures are cut in [`stripes`] and encoded beside the render thread. [`protocol`] says what goes over the
+//! One thread, the `theatre`, owns the [`Stage`] and renders for every client in turn. Each client has a task for its
+//! WebSocket, and the two meet in a `client`: input one way, pictures and state the other, neither ever more than a
+//! few items. Pictures are cut in `stripes` and encoded beside the render thread. `protocol` says what goes over the
 //! wire; the page is its other side.
 
 mod address;
@@ -105,6 +105,11 @@ impl Server {
     /// What to open in a browser, with the token.
     pub fn url(&self) -> String {
         address::url(self.at, self.options.token.as_ref())
+    }
+
+    /// What to open on a machine where [`ssh_line`](Self::ssh_line) runs.
+    pub fn url_through_ssh(&self) -> String {
+        address::url((std::net::Ipv4Addr::LOCALHOST, self.at.port()).into(), self.options.token.as_ref())
     }
 
     /// The command that brings the port to another machine, for people to run there.

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 /// Most of them at a time: one is made while the other travels.
-pub const IN_FLIGHT: usize = 2;
+const IN_FLIGHT: usize = 2;
 
 /// Pictures from the moment they are begun until the client shows them.
 #[derive(Debug, Default)]
@@ -33,8 +33,9 @@ pub struct Delivery {
 }
 
 impl Pace {
-    pub fn is_ready(&self) -> bool {
-        self.flights.len() < IN_FLIGHT
+    /// Whether there may be one more; to a client whose pictures come late, only one at all.
+    pub fn is_ready(&self, late: bool) -> bool {
+        self.flights.len() < if late { 1 } else { IN_FLIGHT }
     }
 
     pub fn is_idle(&self) -> bool {
@@ -87,15 +88,15 @@ mod tests {
     #[test]
     fn two_travel_and_the_third_waits() {
         let mut pace = Pace::default();
-        assert!(pace.is_idle() && pace.is_ready());
+        assert!(pace.is_idle() && pace.is_ready(false));
         pace.depart(1, false);
         pace.depart(2, true);
-        assert!(!pace.is_ready());
+        assert!(!pace.is_ready(false));
         assert_eq!(pace.acknowledge(1), None, "not sent yet");
         assert_eq!(pace.acknowledge(7), None, "never begun");
         pace.sent(1, 100);
         assert_eq!(pace.acknowledge(1).map(|delivery| delivery.bytes), Some(100));
-        assert!(pace.is_ready() && !pace.is_idle());
+        assert!(pace.is_ready(false) && !pace.is_ready(true) && !pace.is_idle());
         pace.abandon(2);
         assert!(pace.is_idle());
     }

@@ -239,7 +239,10 @@ mod tests {
         assert_eq!(size_within_limits([1920, 1080]), [1920, 1080]);
         for asked in [[u32::MAX; 2], [4096, 4096], [4096, 2161], [5120, 2880]] {
             let [width, height] = size_within_limits(asked);
-            assert!(u64::from(width) * u64::from(height) <= MAX_PIXELS && width * height > 8_000_000, "{width}x{height}");
+            assert!(
+                u64::from(width) * u64::from(height) <= MAX_PIXELS && width * height > 8_000_000,
+                "{width}x{height}"
+            );
         }
         assert_eq!(scaled([1, 1000], 0.5), [1, 500]);
     }

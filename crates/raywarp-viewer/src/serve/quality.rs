@@ -13,6 +13,8 @@ const SMALLEST: f32 = 0.35;
 /// Beyond the bare way there and back: within the first all is well, beyond the second something has to give.
 const SMOOTH: f64 = 0.045;
 const LATE: f64 = 0.090;
+/// Most steps that one late picture counts for.
+const MOST_STEPS: f64 = 4.0;
 /// Round trips that the bare way is the shortest of.
 const PINGS: usize = 32;
 
@@ -22,6 +24,7 @@ const PINGS: usize = 32;
 pub struct Quality {
     jpeg: f32,
     scale: f32,
+    late: bool,
     lag: f64,
     rate: f64,
     pings: VecDeque<f64>,
@@ -42,7 +45,7 @@ pub struct Setting {
 
 impl Default for Quality {
     fn default() -> Self {
-        Self { jpeg: 75.0, scale: 1.0, lag: 0.0, rate: 2e6, pings: VecDeque::with_capacity(PINGS) }
+        Self { jpeg: 75.0, scale: 1.0, late: false, lag: 0.0, rate: 2e6, pings: VecDeque::with_capacity(PINGS) }
     }
 }
 
@@ -63,19 +66,26 @@ impl Quality {
         let rate = delivery.bytes as f64 / (time - self.way()).max(1e-3);
         self.rate += 0.2 * (rate - self.rate);
         let over = time - self.way();
-        if over > LATE {
-            self.yield_some();
+        self.late = over > LATE;
+        if self.late {
+            self.yield_some((over / LATE).min(MOST_STEPS) as f32);
         } else if over < SMOOTH {
             self.recover();
         }
     }
 
-    fn yield_some(&mut self) {
+    /// The later, the more: on a slow link pictures, and so steps, are few.
+    fn yield_some(&mut self, steps: f32) {
         if self.jpeg > WORST {
-            self.jpeg = (self.jpeg - 8.0).max(WORST);
+            self.jpeg = (self.jpeg - 8.0 * steps).max(WORST);
         } else {
-            self.scale = (self.scale * 0.85).max(SMALLEST);
+            self.scale = (self.scale * 0.85_f32.powf(steps)).max(SMALLEST);
         }
+    }
+
+    /// Whether the last picture was late: a second one under way would only wait behind it.
+    pub fn is_late(&self) -> bool {
+        self.late
     }
 
     fn recover(&mut self) {
@@ -117,9 +127,10 @@ mod tests {
 
     #[test]
     fn it_yields_quality_then_pixels_and_gets_both_back() {
-        let first = after(0.5, 4, Quality::default()).setting();
+        let first = after(0.12, 3, Quality::default()).setting();
         assert!(first.jpeg < 60 && first.scale == 1.0, "{first:?}");
         let slow = after(0.5, 100, Quality::default());
+        assert!(slow.is_late() && !after(0.01, 1, slow.clone()).is_late());
         assert_eq!((slow.setting().jpeg, slow.setting().scale), (40, 0.375));
         let better = after(0.01, 20, slow.clone()).setting();
         assert!(better.jpeg == 40 && better.scale > 0.5, "{better:?}");

@@ -78,7 +78,8 @@ async fn greet(
     let hello = Message::text(FromServer::hello().text());
     if protocol != VERSION {
         let _ = sink.send(hello).await;
-        let text = format!("this server speaks version {VERSION} of the protocol, the page {protocol}: reload the page");
+        let text =
+            format!("this server speaks version {VERSION} of the protocol, the page {protocol}: reload the page");
         return Err(ending(close::VERSION, text));
     }
     let full = || {
@@ -273,8 +274,10 @@ fn broken(error: &Error) -> Option<Ending> {
 async fn part(mut sink: Sink, mut stream: Stream, ending: Ending) {
     let end = FromServer::End { text: &ending.text, error: ending.error };
     let _ = sink.feed(Message::text(end.text())).await;
-    let reason = ending.text.floor_char_boundary(REASON);
-    let reason = ending.text.get(..reason).unwrap_or_default().to_owned();
+    let mut reason = ending.text;
+    while reason.len() > REASON {
+        reason.pop();
+    }
     let _ = sink.send(Message::Close(Some(CloseFrame { code: ending.code, reason: reason.into() }))).await;
     while let Some(Ok(_)) = stream.next().await {}
 }

@@ -97,7 +97,8 @@ mod tests {
     }
 
     fn joined(stripes: &[Bytes]) -> Vec<u8> {
-        let decode = |stripe: &Bytes| image::load_from_memory(&stripe[StripeHead::BYTES..]).unwrap().to_rgba8().into_raw();
+        let decode =
+            |stripe: &Bytes| image::load_from_memory(&stripe[StripeHead::BYTES..]).unwrap().to_rgba8().into_raw();
         stripes.iter().flat_map(decode).collect()
     }
 

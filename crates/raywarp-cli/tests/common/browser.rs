@@ -1,0 +1,154 @@
+//! A Chromium without a window, by the WebDriver protocol of its chromedriver.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::{json, Value};
+
+const CHROMIUM: [&str; 2] = ["/usr/bin/chromium", "/usr/bin/google-chrome"];
+const DRIVER: &str = "/usr/bin/chromedriver";
+const FLAGS: [&str; 9] = [
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--window-size=800,600",
+];
+/// As long as any wait may take on a busy machine.
+const LONG: Duration = Duration::from_secs(60);
+
+/// A browser with one page.
+pub struct Browser {
+    agent: ureq::Agent,
+    driver: Child,
+    address: String,
+    session: String,
+    _profile: tempfile::TempDir,
+}
+
+impl Browser {
+    /// None, with a word about it, where no browser is installed and none is demanded.
+    pub fn start() -> Option<Self> {
+        let chromium = CHROMIUM.into_iter().find(|path| Path::new(path).exists());
+        let (Some(chromium), true) = (chromium, Path::new(DRIVER).exists()) else {
+            let demanded = std::env::var_os("RAYWARP_REQUIRE_BROWSER").is_some_and(|value| value == "1");
+            assert!(!demanded, "RAYWARP_REQUIRE_BROWSER=1, and there is no Chromium with {DRIVER}");
+            eprintln!("skipped: there is no Chromium with {DRIVER}");
+            return None;
+        };
+        let profile = tempfile::tempdir().unwrap();
+        let mut driver = Command::new(DRIVER).arg("--port=0").stdout(Stdio::piped()).spawn().unwrap();
+        let mut browser = Self {
+            agent: ureq::Agent::new_with_config(ureq::Agent::config_builder().http_status_as_error(false).build()),
+            address: format!("http://127.0.0.1:{}", port(&mut driver)),
+            driver,
+            session: String::new(),
+            _profile: profile,
+        };
+        let folder = format!("--user-data-dir={}", browser._profile.path().display());
+        let arguments: Vec<_> = FLAGS.into_iter().chain([folder.as_str()]).collect();
+        let wanted = json!({"browserName": "chrome", "goog:loggingPrefs": {"browser": "ALL"},
+            "goog:chromeOptions": {"binary": chromium, "args": arguments}});
+        let session = browser.post("/session", &json!({"capabilities": {"alwaysMatch": wanted}}));
+        browser.session = format!("/session/{}", session["sessionId"].as_str().unwrap());
+        Some(browser)
+    }
+
+    fn post(&self, path: &str, body: &Value) -> Value {
+        let request = self.agent.post(format!("{}{path}", self.address)).content_type("application/json");
+        let text = request.send(body.to_string()).unwrap().body_mut().read_to_string().unwrap();
+        let answer: Value = serde_json::from_str(&text).unwrap();
+        assert!(answer["value"]["error"].is_null(), "{path}: {answer}");
+        answer["value"].clone()
+    }
+
+    fn command(&self, name: &str, body: &Value) -> Value {
+        self.post(&format!("{}/{name}", self.session), body)
+    }
+
+    pub fn open(&self, url: &str) {
+        self.command("url", &json!({"url": url}));
+    }
+
+    /// What an expression of JavaScript gives on the page.
+    pub fn get(&self, expression: &str) -> Value {
+        self.command("execute/sync", &json!({"script": format!("return {expression};"), "args": []}))
+    }
+
+    /// Waits until an expression is true.
+    #[track_caller]
+    pub fn wait(&self, expression: &str) {
+        let start = Instant::now();
+        while self.get(&format!("!!({expression})")) != true {
+            let state = "[document.body.innerText, JSON.stringify(window.raywarp)]";
+            assert!(start.elapsed() < LONG, "{expression} is never true: {}", self.get(state));
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    pub fn key(&self, key: &str) {
+        let actions = json!([{"type": "keyDown", "value": key}, {"type": "keyUp", "value": key}]);
+        self.command("actions", &json!({"actions": [{"type": "key", "id": "keys", "actions": actions}]}));
+    }
+
+    pub fn write(&self, text: &str) {
+        text.chars().for_each(|key| self.key(&key.to_string()));
+    }
+
+    pub fn click(&self, id: &str) {
+        self.get(&format!("document.getElementById('{id}').click()"));
+    }
+
+    /// Presses a button of the mouse, goes there in some steps, and lets it go.
+    pub fn drag(&self, from: [i32; 2], to: [i32; 2]) {
+        let go = |x: i32, y: i32, duration: u32| json!({"type": "pointerMove", "x": x, "y": y, "duration": duration});
+        let actions = json!([
+            go(from[0], from[1], 0),
+            {"type": "pointerDown", "button": 0},
+            go((from[0] + to[0]) / 2, (from[1] + to[1]) / 2, 100),
+            go(to[0], to[1], 100),
+            {"type": "pointerUp", "button": 0},
+        ]);
+        let mouse =
+            json!({"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": actions});
+        self.command("actions", &json!({"actions": [mouse]}));
+    }
+
+    pub fn wheel(&self, pixels: i32) {
+        let scroll = json!({"type": "scroll", "x": 300, "y": 200, "deltaX": 0, "deltaY": pixels});
+        self.command("actions", &json!({"actions": [{"type": "wheel", "id": "wheel", "actions": [scroll]}]}));
+    }
+
+    /// What the page complained about, without connections that were refused.
+    pub fn complaints(&self) -> Vec<String> {
+        let log = self.command("se/log", &json!({"type": "browser"}));
+        let lines = log.as_array().into_iter().flatten().map(|entry| entry["message"].to_string());
+        lines.filter(|line| !line.contains("WebSocket connection")).collect()
+    }
+}
+
+/// The port that a driver says it has.
+fn port(driver: &mut Child) -> String {
+    let lines = BufReader::new(driver.stdout.take().unwrap()).lines();
+    let said = lines.map_while(Result::ok).find_map(|line| {
+        let port = line.split_once("started successfully on port ")?.1;
+        Some(port.trim_end_matches('.').to_owned())
+    });
+    said.expect("chromedriver says no port")
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        if !self.session.is_empty() {
+            let _ = self.agent.delete(format!("{}{}", self.address, self.session)).call();
+        }
+        let _ = self.driver.kill();
+        let _ = self.driver.wait();
+    }
+}
