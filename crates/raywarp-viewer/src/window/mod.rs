@@ -47,8 +47,11 @@ pub struct WindowOptions {
     /// Whether to fill the screen.
     pub fullscreen: bool,
     /// Keeps a file under about this name, and tells its path: [`keep()`] in a folder.
-    pub keep: Box<dyn FnMut(&str, &[u8]) -> Result<PathBuf, WriteError>>,
+    pub keep: Keep,
 }
+
+/// Takes a file's suggested name and its content, and returns its path.
+pub type Keep = Box<dyn FnMut(&str, &[u8]) -> Result<PathBuf, WriteError>>;
 
 /// A display that windows can be shown on.
 pub struct Display {
