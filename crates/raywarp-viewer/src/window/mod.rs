@@ -3,11 +3,11 @@
 //! The core renders, on whichever device; everything that a window adds is done on the CPU: its pictures are scaled to
 //! the window and handed to X11 or Wayland as plain pixels. Machines with data-centre GPUs have neither OpenGL nor
 //! Vulkan to draw with, and often show their windows over a network. egui lays out the panel and the text;
-//! [`raster`] draws its triangles. (The crate `egui_software_backend` would draw them too: its one egui asks for a
+//! `raster` draws its triangles. (The crate `egui_software_backend` would draw them too: its one egui asks for a
 //! newer compiler than raywarp does, and 200 lines do.)
 //!
-//! On a turn of the [`app`]'s loop the core gets to render one frame, if it wants to; when it has, the window is drawn:
-//! [`interface`] lays out [`overlay`] and [`side`], [`paint`] fills the pixels by [`scale`] and [`raster`]. [`input`]
+//! On a turn of the `app`'s loop the core gets to render one frame, if it wants to; when it has, the window is drawn:
+//! `interface` lays out `overlay` and `side`, `paint` fills the pixels by `scale` and `raster`. `input`
 //! brings events to the core. When nothing happens, nothing is drawn.
 
 mod app;
