@@ -12,6 +12,7 @@ fn help(arguments: &[&str]) -> String {
 fn the_help_reads_as_it_should() {
     insta::assert_snapshot!("raywarp", help(&["--help"]));
     insta::assert_snapshot!("render", help(&["render", "--help"]));
+    insta::assert_snapshot!("view", help(&["view", "--help"]));
     insta::assert_snapshot!("query", help(&["query", "--help"]));
     insta::assert_snapshot!("serve", help(&["serve", "--help"]));
     insta::assert_snapshot!("info", help(&["info", "--help"]));
@@ -39,10 +40,8 @@ fn manual_pages_are_written_for_every_command() {
     let place = Place::new();
     assert!(place.run(&["man"]).succeeds().out().contains(".TH raywarp 1"));
     place.run(&["man", "pages"]).succeeds();
-    for name in
-        ["raywarp.1", "raywarp-render.1", "raywarp-query.1", "raywarp-info.1", "raywarp-bench.1", "raywarp-doctor.1"]
-    {
-        assert!(place.path("pages").join(name).is_file(), "{name}");
+    for name in ["", "-render", "-view", "-query", "-info", "-bench", "-doctor"] {
+        assert!(place.path("pages").join(format!("raywarp{name}.1")).is_file(), "{name}");
     }
     place.write("file", "");
     place.run(&["man", "file/pages"]).fails(2, "cannot write manual pages into file/pages");

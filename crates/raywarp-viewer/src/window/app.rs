@@ -170,7 +170,7 @@ impl App {
             WindowEvent::MouseWheel { delta, .. } => input.wheel(*delta, window.scale_factor(), over),
             WindowEvent::KeyboardInput { event, is_synthetic, .. } => {
                 let down = event.state == ElementState::Pressed;
-                let typing = self.interface.context().wants_keyboard_input();
+                let typing = self.interface.has_keyboard();
                 // A key that is held while the window gets the keyboard was not pressed in it.
                 let held_before = *is_synthetic && down;
                 input.key(&event.logical_key, down, event.repeat || held_before, typing)
@@ -188,7 +188,7 @@ impl App {
     fn show_interface(&mut self, event: &WindowEvent) {
         let Some(open) = &mut self.open else { return };
         let pressed = matches!(event, WindowEvent::KeyboardInput { event, .. } if event.state == ElementState::Pressed);
-        if pressed && !self.interface.context().wants_keyboard_input() {
+        if pressed && !self.interface.has_keyboard() {
             return;
         }
         // Where the pointer goes over the picture alone, nothing of the interface changes.

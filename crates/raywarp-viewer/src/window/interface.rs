@@ -84,6 +84,11 @@ impl Interface {
         self.textures.free(&output.textures_delta);
     }
 
+    /// Whether keys belong to the interface: something is typed into, or a list is open.
+    pub fn has_keyboard(&self) -> bool {
+        self.context.wants_keyboard_input() || egui::Popup::is_any_open(&self.context)
+    }
+
     /// Whether a place, in pixels, is over a part that people can click on.
     pub fn is_over(&self, [x, y]: [f64; 2]) -> bool {
         let scale = f64::from(self.scale);

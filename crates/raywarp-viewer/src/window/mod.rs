@@ -3,11 +3,11 @@
 //! The core renders, on whichever device; everything that a window adds is done on the CPU: its pictures are scaled to
 //! the window and handed to X11 or Wayland as plain pixels. Machines with data-centre GPUs have neither OpenGL nor
 //! Vulkan to draw with, and often show their windows over a network. egui lays out the panel and the text;
-//! [`raster`] draws its triangles. (The crate `egui_software_backend` would draw them too: its one egui asks for a
+//! `raster` draws its triangles. (The crate `egui_software_backend` would draw them too: its one egui asks for a
 //! newer compiler than raywarp does, and 200 lines do.)
 //!
-//! On a turn of the [`app`]'s loop the core gets to render one frame, if it wants to; when it has, the window is drawn:
-//! [`interface`] lays out [`overlay`] and [`side`], [`paint`] fills the pixels by [`scale`] and [`raster`]. [`input`]
+//! On a turn of the `app`'s loop the core gets to render one frame, if it wants to; when it has, the window is drawn:
+//! `interface` lays out `overlay` and `side`, `paint` fills the pixels by `scale` and `raster`. `input`
 //! brings events to the core. When nothing happens, nothing is drawn.
 
 mod app;
@@ -47,8 +47,11 @@ pub struct WindowOptions {
     /// Whether to fill the screen.
     pub fullscreen: bool,
     /// Keeps a file under about this name, and tells its path: [`keep()`] in a folder.
-    pub keep: Box<dyn FnMut(&str, &[u8]) -> Result<PathBuf, WriteError>>,
+    pub keep: Keep,
 }
+
+/// Takes a file's suggested name and its content, and returns its path.
+pub type Keep = Box<dyn FnMut(&str, &[u8]) -> Result<PathBuf, WriteError>>;
 
 /// A display that windows can be shown on.
 pub struct Display {

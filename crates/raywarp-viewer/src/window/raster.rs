@@ -271,8 +271,8 @@ mod tests {
         let mut strip = mesh(&[[0.0, 0.0], [24.0, 0.0], [0.0, 24.0]], Color32::BLACK);
         strip.vertices[1].color = Color32::from_rgb(240, 0, 0);
         let pixels = drawn(&strip);
-        for x in 0..20 {
-            assert_eq!(pixels[x] >> 16, 10 * x as u32 + 5, "{x}");
+        for (x, pixel) in pixels[..20].iter().enumerate() {
+            assert_eq!(pixel >> 16, 10 * x as u32 + 5, "{x}");
         }
     }
 
