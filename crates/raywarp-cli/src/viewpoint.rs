@@ -14,12 +14,14 @@ pub struct View {
     /// What is up in the picture.
     pub up: Option<[f32; 3]>,
     /// Vertical field of view, in degrees.
-    pub fov: Option<f32>,
+    pub fov: Option<f64>,
+    /// Height of a picture by parallel rays, in scene units.
+    pub ortho: Option<f32>,
 }
 
 impl From<&RenderOptions> for View {
     fn from(options: &RenderOptions) -> Self {
-        Self { eye: options.eye, target: options.target, up: options.up, fov: options.fov }
+        Self { eye: options.eye, target: options.target, up: options.up, fov: options.fov, ortho: options.ortho }
     }
 }
 
@@ -47,7 +49,10 @@ pub fn adjusted(mut camera: Camera, view: &View) -> Camera {
     camera.target = view.target.unwrap_or(camera.target);
     camera.up = view.up.unwrap_or(camera.up);
     if let Some(degrees) = view.fov {
-        camera.projection = Projection::Perspective { fov_y: degrees.to_radians() };
+        camera.projection = Projection::Perspective { fov_y: degrees.to_radians() as f32 };
+    }
+    if let Some(height) = view.ortho {
+        camera.projection = Projection::Orthographic { height };
     }
     camera
 }

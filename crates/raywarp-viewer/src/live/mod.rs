@@ -6,16 +6,20 @@
 //! [`Stage::poll`] takes what is ready.
 
 pub mod camera_control;
+mod control_value;
+pub mod edits;
 mod event;
 mod help;
 pub mod keys;
 pub mod look;
 mod outcome;
 mod panel;
+pub mod pick;
 pub mod pointer;
 mod stage;
 mod status;
 mod viewer;
+pub mod watch;
 
 pub use event::{Button, Event, Modifiers};
 pub use help::HELP;

@@ -2,8 +2,11 @@
 
 use glam::Mat3;
 
+use raywarp_kernels::math::Vec3;
+use raywarp_kernels::triangle::Across;
+
 use crate::scene::Scene;
-use crate::{Hit, MISS};
+use crate::{Hit, Ray, Triangle, MISS};
 
 /// Where the triangles of each instance begin: kernels number those of the whole scene, one instance after the other.
 #[derive(Clone, Debug, Default)]
@@ -40,11 +43,32 @@ impl Geometries {
     }
 
     /// The weights of vertices 1 and 2 as the mesh numbers them.
-    pub(super) fn barycentrics(&self, hit: &Hit) -> [f32; 2] {
+    pub fn barycentrics(&self, hit: &Hit) -> [f32; 2] {
         match self.mirrored.get(self.locate(hit.primitive).0 as usize) {
             Some(true) => [hit.v, hit.u],
             _ => [hit.u, hit.v],
         }
+    }
+
+    /// A triangle of the scene as the renderer traces it, in world space; nothing where there is none of this number.
+    pub fn triangle(&self, scene: &Scene, primitive: u32) -> Option<Triangle> {
+        let (geometry, own) = self.locate(primitive);
+        let instance = scene.instances.get(geometry as usize)?;
+        let mesh = scene.meshes.get(instance.mesh)?;
+        let [a, b, c] = *mesh.triangles.get(own as usize)?;
+        let [b, c] = if *self.mirrored.get(geometry as usize)? { [c, b] } else { [b, c] };
+        let linear = Mat3::from_cols_array_2d(&instance.transform.columns);
+        let shift = glam::Vec3::from(instance.transform.translation);
+        let corner = |vertex: u32| {
+            let local = glam::Vec3::from(*mesh.positions.get(vertex as usize)?);
+            Some(Vec3::from((linear * local + shift).to_array()))
+        };
+        Some(Triangle::new(corner(a)?, corner(b)?, corner(c)?, primitive, 0))
+    }
+
+    /// Where a ray meets a triangle of the scene, with the bits that tracing gives; nothing where it does not.
+    pub fn meet(&self, scene: &Scene, ray: &Ray, primitive: u32) -> Option<Hit> {
+        self.triangle(scene, primitive)?.intersect(&Across::new(ray))
     }
 }
 

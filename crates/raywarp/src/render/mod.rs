@@ -29,9 +29,10 @@ use lighting::Lighting;
 use options::Window;
 use resident::ResidentScene;
 
-pub use camera::framing;
+pub use camera::{framing, ray};
 pub use error::RenderError;
 pub(crate) use flatten::{check_instance, check_mesh, flags_of};
+pub use lighting::{ambient, sky};
 pub use options::{RenderOptions, MAX_DEPTH, MAX_SIDE, MAX_SPP};
 
 /// A scene on a device, ready to be traced from any camera.

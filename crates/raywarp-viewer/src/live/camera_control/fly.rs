@@ -60,15 +60,31 @@ impl Flight {
     pub fn step(&self, pose: &mut Pose, world: &World, speed: f64, dt: Duration) {
         let [right, up, forward] = pose.axes(world);
         let parallel = matches!(pose.projection, Projection::Orthographic { .. });
-        let direction = self.held.iter().map(|way| match way {
-            Fly::Forward => forward,
-            Fly::Back => -forward,
-            Fly::Left => -right,
-            Fly::Right => right,
-            // In a view along the world's upward direction nothing would be seen of a move along it in parallel rays.
-            Fly::Down => if parallel { -up } else { -world.up },
-            Fly::Up => if parallel { up } else { world.up },
-        }).sum::<DVec3>();
+        let direction = self
+            .held
+            .iter()
+            .map(|way| match way {
+                Fly::Forward => forward,
+                Fly::Back => -forward,
+                Fly::Left => -right,
+                Fly::Right => right,
+                // In a view along the world's upward direction nothing would be seen of a move along it in parallel rays.
+                Fly::Down => {
+                    if parallel {
+                        -up
+                    } else {
+                        -world.up
+                    }
+                }
+                Fly::Up => {
+                    if parallel {
+                        up
+                    } else {
+                        world.up
+                    }
+                }
+            })
+            .sum::<DVec3>();
         let pace = match (self.fast, self.slow) {
             (true, false) => FAST,
             (false, true) => SLOW,

@@ -72,15 +72,8 @@ impl Pose {
             Projection::Perspective { fov_y } => fov_y,
             Projection::Orthographic { .. } => USUAL_FOV,
         };
-        let mut pose = Self {
-            target: vec(camera.target),
-            distance,
-            yaw,
-            pitch,
-            roll: 0.0,
-            projection: camera.projection,
-            fov,
-        };
+        let mut pose =
+            Self { target: vec(camera.target), distance, yaw, pitch, roll: 0.0, projection: camera.projection, fov };
         let [level_right, level_up, _] = pose.axes(world);
         let roll = up.dot(level_right).atan2(up.dot(level_up));
         pose.roll = if roll.abs() < POLE { 0.0 } else { roll };

@@ -260,7 +260,8 @@ fn the_cameras_of_the_scene_are_stepped_through() {
     let camera = |x: f32| Camera { name: format!("at {x}"), eye: [x, 0.0, 5.0], ..framing([[-1.0; 3], [1.0; 3]]) };
     let cameras = vec![camera(1.0), camera(2.0), camera(3.0)];
     let mut control = CameraControl::new(cameras[0].clone(), cameras.clone(), [[-1.0; 3], [1.0; 3]], UP);
-    for (name, expected) in [("PageUp", 2), ("PageDown", 0), ("c", 1), ("PageDown", 2), ("PageDown", 0), ("PageUp", 2)] {
+    for (name, expected) in [("PageUp", 2), ("PageDown", 0), ("c", 1), ("PageDown", 2), ("PageDown", 0), ("PageUp", 2)]
+    {
         assert!(press(&mut control, name));
         assert_eq!(control.camera(), &cameras[expected], "{name}");
     }
