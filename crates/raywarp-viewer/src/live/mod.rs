@@ -14,6 +14,7 @@ pub mod keys;
 pub mod look;
 mod outcome;
 mod panel;
+pub mod panel_rows;
 pub mod pick;
 pub mod pointer;
 mod stage;
