@@ -12,6 +12,7 @@ mod event;
 mod help;
 pub mod keys;
 pub mod look;
+pub mod object_drag;
 mod outcome;
 mod panel;
 pub mod panel_rows;

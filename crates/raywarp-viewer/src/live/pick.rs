@@ -5,7 +5,7 @@ use std::fmt;
 use glam::Vec3;
 use raywarp::query::Geometries;
 use raywarp::render::{self, RenderError, RenderOptions, Tracer};
-use raywarp::scene::{Camera, Scene};
+use raywarp::scene::{Camera, Mesh, Scene};
 use raywarp::{Hit, Ray};
 
 /// A point of a surface, and whose it is.
@@ -33,13 +33,15 @@ pub struct Pick {
 
 impl Pick {
     /// What a pixel of a picture of this size shows; nothing for the sky. The renderer's own choice where surfaces are cut
-    /// out by a texture.
+    /// out by a texture. `scene` is as the tracer has it, edits included; its meshes are given apart, so that it may be
+    /// the one of the [edits](super::edits::Edits::scene).
     ///
     /// # Errors
     /// [`RenderError`] for a camera that cannot be rendered from, a pixel outside of the picture, or where the device
     /// fails.
     pub fn at(
         tracer: &Tracer,
+        meshes: &[Mesh],
         scene: &Scene,
         camera: &Camera,
         size: [u32; 2],
@@ -48,21 +50,21 @@ impl Pick {
         let crop = Some([x, y, x.saturating_add(1), y.saturating_add(1)]);
         let surfels = tracer.layers(camera, &RenderOptions { size, crop, ..RenderOptions::default() })?;
         let ray = render::ray(camera, size, [x as f32 + 0.5, y as f32 + 0.5])?;
-        let geometries = Geometries::of(scene);
+        let geometries = Geometries::placed(meshes, &scene.instances);
         Ok(surfels.first().and_then(|surfel| {
-            let hit = geometries.meet(scene, &ray, surfel.primitive)?;
-            Self::of(scene, &geometries, &ray, &hit)
+            let hit = geometries.meet(meshes, &scene.instances, &ray, surfel.primitive)?;
+            Self::of(meshes, scene, &geometries, &ray, &hit)
         }))
     }
 
     /// Of a hit that a ray found in a scene; nothing for a miss, and for a hit in another scene. `geometries` are those of
-    /// the scene.
-    pub fn of(scene: &Scene, geometries: &Geometries, ray: &Ray, hit: &Hit) -> Option<Self> {
+    /// the meshes and the scene's instances.
+    pub fn of(meshes: &[Mesh], scene: &Scene, geometries: &Geometries, ray: &Ray, hit: &Hit) -> Option<Self> {
         let (index, own) = geometries.locate(hit.primitive);
         let instance = scene.instances.get(index as usize)?;
-        let mesh = scene.meshes.get(instance.mesh)?;
+        let mesh = meshes.get(instance.mesh)?;
         let material = instance.material.or(mesh.materials.get(own as usize).copied())? as usize;
-        let triangle = geometries.triangle(scene, hit.primitive)?;
+        let triangle = geometries.triangle(meshes, &scene.instances, hit.primitive)?;
         let [u, v] = geometries.barycentrics(hit);
         let [v0, v1, v2] = [triangle.v0, triangle.v1, triangle.v2].map(|corner| Vec3::from(corner.to_array()));
         let direction = Vec3::from(ray.direction.to_array());
@@ -105,11 +107,11 @@ impl Pick {
 }
 
 /// World bounds of an instance; nothing where there is no such instance or it has no vertices.
-pub fn instance_bounds(scene: &Scene, index: usize) -> Option<[[f32; 3]; 2]> {
+pub fn instance_bounds(meshes: &[Mesh], scene: &Scene, index: usize) -> Option<[[f32; 3]; 2]> {
     let instance = scene.instances.get(index)?;
     let [x, y, z] = instance.transform.columns.map(Vec3::from);
     let shift = Vec3::from(instance.transform.translation);
-    let corners = scene.meshes.get(instance.mesh)?.positions.iter().map(|p| x * p[0] + y * p[1] + z * p[2] + shift);
+    let corners = meshes.get(instance.mesh)?.positions.iter().map(|p| x * p[0] + y * p[1] + z * p[2] + shift);
     let finite = corners.filter(|corner| corner.is_finite());
     finite.map(|corner| (corner, corner)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).map(|(a, b)| [a.into(), b.into()])
 }
@@ -159,7 +161,7 @@ mod tests {
     use raywarp::accel::AccelKind;
     use raywarp::backend::{Device, DeviceChoice};
     use raywarp::render::framing;
-    use raywarp::scene::{Instance, Material, Mesh, Transform};
+    use raywarp::scene::{Instance, Material, Transform};
     use raywarp::MISS;
 
     use super::*;
@@ -207,7 +209,7 @@ mod tests {
         let mut seen = std::collections::BTreeSet::new();
         for (i, surfel) in surfels.iter().enumerate() {
             let pixel = [i as u32 % size[0], i as u32 / size[0]];
-            let pick = Pick::at(&tracer, &scene, &camera, size, pixel).unwrap();
+            let pick = Pick::at(&tracer, &scene.meshes, &scene, &camera, size, pixel).unwrap();
             assert_eq!(pick.is_none(), surfel.primitive == MISS);
             let Some(pick) = pick else { continue };
             seen.insert((pick.instance, pick.triangle));
@@ -226,8 +228,8 @@ mod tests {
             assert_eq!(pick.names[0], instance.name);
         }
         assert_eq!(seen.into_iter().collect::<Vec<_>>(), [(0, 0), (0, 1), (2, 0), (2, 1)]);
-        assert!(Pick::at(&tracer, &scene, &camera, size, [48, 0]).is_err());
-        assert!(Pick::at(&tracer, &scene, &camera, size, [u32::MAX, 0]).is_err());
+        assert!(Pick::at(&tracer, &scene.meshes, &scene, &camera, size, [48, 0]).is_err());
+        assert!(Pick::at(&tracer, &scene.meshes, &scene, &camera, size, [u32::MAX, 0]).is_err());
     }
 
     #[test]
@@ -235,8 +237,8 @@ mod tests {
         let scene = scene();
         let geometries = Geometries::of(&scene);
         let ray = Ray::new([-0.5, 0.2, 5.0].into(), [0.0, 0.0, -2.0].into());
-        let hit = geometries.meet(&scene, &ray, 2).unwrap();
-        let pick = Pick::of(&scene, &geometries, &ray, &hit).unwrap();
+        let hit = geometries.meet(&scene.meshes, &scene.instances, &ray, 2).unwrap();
+        let pick = Pick::of(&scene.meshes, &scene, &geometries, &ray, &hit).unwrap();
         let lines = pick.lines();
         let value = |what: &str| lines.iter().find(|line| line.0 == what).map(|line| line.1.as_str());
         assert_eq!(value("instance"), Some("2 'mirrored'"));
@@ -244,8 +246,8 @@ mod tests {
         assert_eq!(value("distance"), Some("2.5000"));
         assert_eq!(value("position"), Some("-0.50000, 0.20000, 0"));
         assert_eq!(value("normal"), Some("0.000, 0.000, 1.000"));
-        assert_eq!(Pick::of(&scene, &geometries, &ray, &Hit::NONE), None);
-        assert_eq!(Pick::of(&Scene::default(), &geometries, &ray, &hit), None);
+        assert_eq!(Pick::of(&scene.meshes, &scene, &geometries, &ray, &Hit::NONE), None);
+        assert_eq!(Pick::of(&[], &Scene::default(), &geometries, &ray, &hit), None);
     }
 
     #[test]
@@ -260,7 +262,10 @@ mod tests {
     #[test]
     fn bounds_are_those_of_the_placed_mesh() {
         let scene = scene();
-        assert_eq!(instance_bounds(&scene, 2), Some([[-1.6, 0.0, -0.5], [-0.1, 1.0, 0.0]]));
-        assert_eq!((instance_bounds(&scene, 1), instance_bounds(&scene, 9)), (None, None));
+        assert_eq!(instance_bounds(&scene.meshes, &scene, 2), Some([[-1.6, 0.0, -0.5], [-0.1, 1.0, 0.0]]));
+        assert_eq!(
+            (instance_bounds(&scene.meshes, &scene, 1), instance_bounds(&scene.meshes, &scene, 9)),
+            (None, None)
+        );
     }
 }

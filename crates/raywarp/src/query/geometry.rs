@@ -5,7 +5,7 @@ use glam::Mat3;
 use raywarp_kernels::math::Vec3;
 use raywarp_kernels::triangle::Across;
 
-use crate::scene::Scene;
+use crate::scene::{Instance, Mesh, Scene};
 use crate::{Hit, Ray, Triangle, MISS};
 
 /// Where the triangles of each instance begin: kernels number those of the whole scene, one instance after the other.
@@ -20,10 +20,15 @@ pub struct Geometries {
 impl Geometries {
     /// Of a scene's instances, in their order.
     pub fn of(scene: &Scene) -> Self {
-        let triangles = scene.instances.iter().map(|i| scene.meshes.get(i.mesh).map_or(0, |mesh| mesh.triangles.len()));
+        Self::placed(&scene.meshes, &scene.instances)
+    }
+
+    /// Of meshes and their instances, in their order.
+    pub fn placed(meshes: &[Mesh], instances: &[Instance]) -> Self {
+        let triangles = instances.iter().map(|i| meshes.get(i.mesh).map_or(0, |mesh| mesh.triangles.len()));
         // More than 2^32 are refused when the scene is flattened.
         let first = triangles.scan(0usize, |next, own| Some(std::mem::replace(next, *next + own) as u32)).collect();
-        let mirrored = scene.instances.iter().map(|instance| {
+        let mirrored = instances.iter().map(|instance| {
             let linear = Mat3::from_cols_array_2d(&instance.transform.columns);
             linear.determinant() < 0.0
         });
@@ -50,11 +55,12 @@ impl Geometries {
         }
     }
 
-    /// A triangle of the scene as the renderer traces it, in world space; nothing where there is none of this number.
-    pub fn triangle(&self, scene: &Scene, primitive: u32) -> Option<Triangle> {
+    /// A triangle as the renderer traces it, in world space; nothing where there is none of this number. The meshes and
+    /// instances are those that this is of.
+    pub fn triangle(&self, meshes: &[Mesh], instances: &[Instance], primitive: u32) -> Option<Triangle> {
         let (geometry, own) = self.locate(primitive);
-        let instance = scene.instances.get(geometry as usize)?;
-        let mesh = scene.meshes.get(instance.mesh)?;
+        let instance = instances.get(geometry as usize)?;
+        let mesh = meshes.get(instance.mesh)?;
         let [a, b, c] = *mesh.triangles.get(own as usize)?;
         let [b, c] = if *self.mirrored.get(geometry as usize)? { [c, b] } else { [b, c] };
         let linear = Mat3::from_cols_array_2d(&instance.transform.columns);
@@ -66,9 +72,9 @@ impl Geometries {
         Some(Triangle::new(corner(a)?, corner(b)?, corner(c)?, primitive, 0))
     }
 
-    /// Where a ray meets a triangle of the scene, with the bits that tracing gives; nothing where it does not.
-    pub fn meet(&self, scene: &Scene, ray: &Ray, primitive: u32) -> Option<Hit> {
-        self.triangle(scene, primitive)?.intersect(&Across::new(ray))
+    /// Where a ray meets a triangle, with the bits that tracing gives; nothing where it does not.
+    pub fn meet(&self, meshes: &[Mesh], instances: &[Instance], ray: &Ray, primitive: u32) -> Option<Hit> {
+        self.triangle(meshes, instances, primitive)?.intersect(&Across::new(ray))
     }
 }
 

@@ -84,3 +84,37 @@ pub(crate) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadErro
         _ => Err(LoadError::unknown_format(path)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    fn names(files: &[PathBuf]) -> Vec<String> {
+        let name = |file: &PathBuf| file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        files.iter().map(name).collect()
+    }
+
+    #[test]
+    fn the_files_of_a_scene_are_known_even_where_it_fails() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("scene.toml"), "version = 1\n[[meshes]]\nfile = \"a.obj\"\n").unwrap();
+        let obj = "mtllib a.mtl\nmtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
+        fs::write(path("a.obj"), obj).unwrap();
+        fs::write(path("a.mtl"), "newmtl m\nmap_Kd lost.png\nmap_Ks lost.png\n").unwrap();
+        let all = ["scene.toml", "a.obj", "a.mtl", "lost.png", "none.mtl"];
+        let loaded = load(&path("scene.toml"), &LoadOptions::default()).unwrap();
+        assert_eq!(names(&loaded.files), all);
+
+        let strict = attempt(&path("scene.toml"), &LoadOptions { strict: true });
+        assert!(strict.result.is_err());
+        assert_eq!(names(&strict.files), &all[..4]);
+        fs::remove_file(path("a.obj")).unwrap();
+        let failed = attempt(&path("scene.toml"), &LoadOptions::default());
+        assert!(failed.result.is_err());
+        assert_eq!(names(&failed.files), &all[..2]);
+        assert!(builtin().unwrap().files.is_empty());
+    }
+}
