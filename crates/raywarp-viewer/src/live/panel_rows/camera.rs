@@ -39,12 +39,12 @@ fn lens([now, home]: [&Camera; 2]) -> Row {
     let home = if same { home } else { now };
     match now.projection {
         Projection::Perspective { .. } => {
-            let [angle, usual] = [now, home].map(|camera| angle_or_height(camera));
+            let [angle, usual] = [now, home].map(angle_or_height);
             let control = Control::Number { min: ANGLES[0].min(angle), max: ANGLES[1].max(angle), step: 0.0 };
             row("camera.fov", "Field of view, degrees", [angle, usual].map(Value::Number), control)
         }
         Projection::Orthographic { .. } => {
-            let [height, usual] = [now, home].map(|camera| angle_or_height(camera));
+            let [height, usual] = [now, home].map(angle_or_height);
             let control = Control::Number { min: 0.01 * height, max: (100.0 * height).min(f32::MAX), step: 0.0 };
             row("camera.height", "Height of the picture", [height, usual].map(Value::Number), control)
         }
