@@ -176,7 +176,10 @@ pub struct RenderOptions {
     pub up: Option<[f32; 3]>,
     /// Vertical field of view in degrees
     #[arg(long, value_name = "DEGREES", value_parser = values::field_of_view, help_heading = "Camera")]
-    pub fov: Option<f32>,
+    pub fov: Option<f64>,
+    /// Parallel rays, for a picture of this height in scene units
+    #[arg(long, value_name = "HEIGHT", value_parser = values::height, conflicts_with = "fov", help_heading = "Camera")]
+    pub ortho: Option<f32>,
 
     #[command(flatten)]
     pub machine: MachineOptions,

@@ -58,8 +58,13 @@ pub fn direction(text: &str) -> Result<[f32; 3], String> {
 }
 
 /// A field of view in degrees.
-pub fn field_of_view(text: &str) -> Result<f32, String> {
+pub fn field_of_view(text: &str) -> Result<f64, String> {
     ranged(text, 0.001, 179.0).ok_or_else(|| "give an angle from 0.001 to 179 degrees".to_owned())
+}
+
+/// Height of a picture by parallel rays.
+pub fn height(text: &str) -> Result<f32, String> {
+    ranged(text, f32::MIN_POSITIVE, f32::MAX).ok_or_else(|| "give a height in scene units, more than 0".to_owned())
 }
 
 /// Stops.
@@ -67,7 +72,7 @@ pub fn exposure(text: &str) -> Result<f32, String> {
     ranged(text, -60.0, 60.0).ok_or_else(|| "give a number of stops from -60 to 60".to_owned())
 }
 
-fn ranged(text: &str, low: f32, high: f32) -> Option<f32> {
+fn ranged<T: FromStr + PartialOrd>(text: &str, low: T, high: T) -> Option<T> {
     text.parse().ok().filter(|value| (low..=high).contains(value))
 }
 
@@ -116,6 +121,7 @@ mod tests {
     fn angles_and_stops_have_bounds() {
         assert_eq!(field_of_view("45"), Ok(45.0));
         assert!(["0", "180", "nan", "-5", "x"].iter().all(|text| field_of_view(text).is_err()));
+        assert!(["inf", "nan", "0", "-1"].iter().all(|text| height(text).is_err()) && height("2.5") == Ok(2.5));
         assert!(["inf", "nan", "61"].iter().all(|text| exposure(text).is_err()));
     }
 }

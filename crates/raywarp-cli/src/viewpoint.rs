@@ -14,12 +14,14 @@ pub struct View {
     /// What is up in the picture.
     pub up: Option<[f32; 3]>,
     /// Vertical field of view, in degrees.
-    pub fov: Option<f32>,
+    pub fov: Option<f64>,
+    /// Height of a picture by parallel rays, in scene units.
+    pub ortho: Option<f32>,
 }
 
 impl From<&RenderOptions> for View {
     fn from(options: &RenderOptions) -> Self {
-        Self { eye: options.eye, target: options.target, up: options.up, fov: options.fov }
+        Self { eye: options.eye, target: options.target, up: options.up, fov: options.fov, ortho: options.ortho }
     }
 }
 
@@ -47,7 +49,47 @@ pub fn adjusted(mut camera: Camera, view: &View) -> Camera {
     camera.target = view.target.unwrap_or(camera.target);
     camera.up = view.up.unwrap_or(camera.up);
     if let Some(degrees) = view.fov {
-        camera.projection = Projection::Perspective { fov_y: degrees.to_radians() };
+        camera.projection = Projection::Perspective { fov_y: degrees.to_radians() as f32 };
+    }
+    if let Some(height) = view.ortho {
+        camera.projection = Projection::Orthographic { height };
     }
     camera
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+    use raywarp::scene::degrees;
+
+    use super::*;
+
+    fn asked(words: &[&str]) -> Result<Camera, clap::Error> {
+        let options = RenderOptions::try_parse_from([&["render"], words].concat())?;
+        let camera = Camera {
+            name: String::new(),
+            eye: [0.0; 3],
+            target: [0.0; 3],
+            up: [0.0; 3],
+            projection: Projection::Perspective { fov_y: 0.5 },
+        };
+        Ok(adjusted(camera, &(&options).into()))
+    }
+
+    #[test]
+    fn every_angle_can_be_asked_for() {
+        for i in 1..2000 {
+            let fov_y = 0.0015 * i as f32;
+            let camera = asked(&["--fov", &degrees(fov_y).to_string()]).unwrap();
+            assert_eq!(camera.projection, Projection::Perspective { fov_y });
+        }
+    }
+
+    #[test]
+    fn parallel_rays_have_a_height_and_no_angle() {
+        let camera = asked(&["--eye", "-1e-9,2,3.5e20", "--ortho", "2.5"]).unwrap();
+        assert_eq!((camera.eye, camera.projection), ([-1e-9, 2.0, 3.5e20], Projection::Orthographic { height: 2.5 }));
+        assert!(asked(&["--ortho", "2.5", "--fov", "40"]).is_err());
+        assert!(asked(&["--ortho", "0"]).is_err());
+    }
 }

@@ -92,7 +92,7 @@ pub struct BenchOptions {
     pub up: Option<[f32; 3]>,
     /// Vertical field of view in degrees
     #[arg(long, value_name = "DEGREES", value_parser = values::field_of_view, help_heading = "Scene")]
-    pub fov: Option<f32>,
+    pub fov: Option<f64>,
     /// Scenes with names and cameras, of a TOML file; those without their model are left out
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "name", "eye", "target", "up", "fov"])]
     #[arg(help_heading = "Scene")]
@@ -118,6 +118,6 @@ pub struct BenchOptions {
 impl BenchOptions {
     /// What is to be different about the camera.
     pub fn view(&self) -> View {
-        View { eye: self.eye, target: self.target, up: self.up, fov: self.fov }
+        View { eye: self.eye, target: self.target, up: self.up, fov: self.fov, ortho: None }
     }
 }

@@ -41,7 +41,7 @@ struct Entry {
     eye: Option<[f32; 3]>,
     target: Option<[f32; 3]>,
     up: Option<[f32; 3]>,
-    fov: Option<f32>,
+    fov: Option<f64>,
 }
 
 /// What the options name, in their order.
@@ -95,7 +95,7 @@ impl Entry {
             let checked = values::field_of_view(&fov.to_string());
             checked.map_err(|reason| anyhow::anyhow!("the fov of '{}' is {fov}: {reason}", self.name))?;
         }
-        let view = View { eye: self.eye, target: self.target, up: self.up, fov: self.fov };
+        let view = View { eye: self.eye, target: self.target, up: self.up, fov: self.fov, ortho: None };
         Ok(Subject { name: self.name, file: Some(models.join(self.file)), view, optional: true })
     }
 }

@@ -56,6 +56,8 @@ pub enum Action {
     Panel,
     /// The statistics, or none.
     Statistics,
+    /// Move the picked object with the pointer while the key is held.
+    Grab,
     /// Keep the picture as a file.
     Screenshot,
     /// Read the scene again.
@@ -141,6 +143,7 @@ bindings! {
     }
     "Scene" {
         "click" => Action::Pointer, "pick";
+        "G" => Action::Grab, "hold it and move the pointer: move the picked object; also Alt+drag";
         "Escape" => Action::Escape, "close the help, let go of the picked";
         "Ctrl+Z" => Action::Undo, "undo";
         "Ctrl+Shift+Z, Ctrl+Y" => Action::Redo, "redo";
@@ -169,6 +172,12 @@ pub fn fly(key: &str) -> Option<Fly> {
         Action::Fly(way) if chords(binding).any(|chord| chord.key == plain(key)) => Some(way),
         _ => None,
     })
+}
+
+/// Whether a key is one of an action's, whatever else is held: for keys that go up.
+pub fn is_key_of(key: &str, action: Action) -> bool {
+    let mut own = BINDINGS.iter().filter(|binding| binding.action == action);
+    own.any(|binding| chords(binding).any(|chord| chord.key == plain(key)))
 }
 
 /// A key with what must be held beside it.

@@ -6,18 +6,24 @@
 //! [`Stage::poll`] takes what is ready.
 
 pub mod camera_control;
+mod control_value;
+pub mod edits;
 mod event;
 mod help;
 pub mod keys;
 pub mod look;
 mod meter;
+pub mod object_drag;
 mod outcome;
 mod pace;
 mod panel;
+pub mod panel_rows;
+pub mod pick;
 pub mod pointer;
 mod stage;
 mod status;
 mod viewer;
+pub mod watch;
 
 pub use event::{Button, Event, Modifiers};
 pub use help::HELP;

@@ -2,8 +2,11 @@
 
 use glam::Mat3;
 
-use crate::scene::Scene;
-use crate::{Hit, MISS};
+use raywarp_kernels::math::Vec3;
+use raywarp_kernels::triangle::Across;
+
+use crate::scene::{Instance, Mesh, Scene};
+use crate::{Hit, Ray, Triangle, MISS};
 
 /// Where the triangles of each instance begin: kernels number those of the whole scene, one instance after the other.
 #[derive(Clone, Debug, Default)]
@@ -17,10 +20,15 @@ pub struct Geometries {
 impl Geometries {
     /// Of a scene's instances, in their order.
     pub fn of(scene: &Scene) -> Self {
-        let triangles = scene.instances.iter().map(|i| scene.meshes.get(i.mesh).map_or(0, |mesh| mesh.triangles.len()));
+        Self::placed(&scene.meshes, &scene.instances)
+    }
+
+    /// Of meshes and their instances, in their order.
+    pub fn placed(meshes: &[Mesh], instances: &[Instance]) -> Self {
+        let triangles = instances.iter().map(|i| meshes.get(i.mesh).map_or(0, |mesh| mesh.triangles.len()));
         // More than 2^32 are refused when the scene is flattened.
         let first = triangles.scan(0usize, |next, own| Some(std::mem::replace(next, *next + own) as u32)).collect();
-        let mirrored = scene.instances.iter().map(|instance| {
+        let mirrored = instances.iter().map(|instance| {
             let linear = Mat3::from_cols_array_2d(&instance.transform.columns);
             linear.determinant() < 0.0
         });
@@ -40,11 +48,33 @@ impl Geometries {
     }
 
     /// The weights of vertices 1 and 2 as the mesh numbers them.
-    pub(super) fn barycentrics(&self, hit: &Hit) -> [f32; 2] {
+    pub fn barycentrics(&self, hit: &Hit) -> [f32; 2] {
         match self.mirrored.get(self.locate(hit.primitive).0 as usize) {
             Some(true) => [hit.v, hit.u],
             _ => [hit.u, hit.v],
         }
+    }
+
+    /// A triangle as the renderer traces it, in world space; nothing where there is none of this number. The meshes and
+    /// instances are those that this is of.
+    pub fn triangle(&self, meshes: &[Mesh], instances: &[Instance], primitive: u32) -> Option<Triangle> {
+        let (geometry, own) = self.locate(primitive);
+        let instance = instances.get(geometry as usize)?;
+        let mesh = meshes.get(instance.mesh)?;
+        let [a, b, c] = *mesh.triangles.get(own as usize)?;
+        let [b, c] = if *self.mirrored.get(geometry as usize)? { [c, b] } else { [b, c] };
+        let linear = Mat3::from_cols_array_2d(&instance.transform.columns);
+        let shift = glam::Vec3::from(instance.transform.translation);
+        let corner = |vertex: u32| {
+            let local = glam::Vec3::from(*mesh.positions.get(vertex as usize)?);
+            Some(Vec3::from((linear * local + shift).to_array()))
+        };
+        Some(Triangle::new(corner(a)?, corner(b)?, corner(c)?, primitive, 0))
+    }
+
+    /// Where a ray meets a triangle, with the bits that tracing gives; nothing where it does not.
+    pub fn meet(&self, meshes: &[Mesh], instances: &[Instance], ray: &Ray, primitive: u32) -> Option<Hit> {
+        self.triangle(meshes, instances, primitive)?.intersect(&Across::new(ray))
     }
 }
 

@@ -6,6 +6,7 @@ use raywarp_kernels::math;
 
 use super::RenderError;
 use crate::scene::{Camera, Projection, Scene};
+use crate::Ray;
 
 /// Vertical field of view of the camera that frames a scene, in radians.
 const FOV: f32 = 0.7;
@@ -48,6 +49,15 @@ pub(crate) fn kernel_camera(camera: &Camera, [width, height]: [u32; 2]) -> Resul
         Projection::Perspective { .. } => refuse("has a field of view that is not between 0 and 180 degrees"),
         Projection::Orthographic { .. } => refuse("has no height"),
     }
+}
+
+/// The ray through a point of a picture, in pixels from its upper left corner; of unit direction. Through the middle of a
+/// pixel, at a half each way, it is the one that [`Tracer::layers`](super::Tracer::layers) traces.
+///
+/// # Errors
+/// [`RenderError::Camera`] for a camera that cannot be rendered from.
+pub fn ray(camera: &Camera, size: [u32; 2], [x, y]: [f32; 2]) -> Result<Ray, RenderError> {
+    Ok(kernel_camera(camera, size)?.ray(x, y))
 }
 
 /// Right, up and forward of a camera, orthonormal.

@@ -37,8 +37,7 @@ impl Lighting {
                 if emissive { " but glowing surfaces, which this shading shows and does not light with" } else { "" }
             ));
         }
-        let sky = scene.background.unwrap_or(SKY);
-        let ambient = scene.ambient.unwrap_or(if built_in { AMBIENT_BUILT_IN } else { AMBIENT });
+        let (sky, ambient) = (sky(scene), ambient(scene));
         Self {
             lights: if built_in { vec![sun()] } else { scene.lights.iter().map(light).collect() },
             headlight: built_in.then_some(Vec3::splat(0.35)),
@@ -64,6 +63,16 @@ impl Lighting {
         }));
         device.upload(&lights)
     }
+}
+
+/// What lies beyond a scene: its own background, or the built-in sky.
+pub fn sky(scene: &Scene) -> scene::Background {
+    scene.background.unwrap_or(SKY)
+}
+
+/// The light that arrives everywhere in a scene: its own, or the built-in one, which is brighter where there are no lights.
+pub fn ambient(scene: &Scene) -> [f32; 3] {
+    scene.ambient.unwrap_or(if scene.lights.is_empty() { AMBIENT_BUILT_IN } else { AMBIENT })
 }
 
 fn sun() -> Light {

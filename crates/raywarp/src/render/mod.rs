@@ -34,11 +34,12 @@ use lighting::Lighting;
 use options::Window;
 use resident::ResidentScene;
 
-pub use camera::framing;
+pub use camera::{framing, ray};
 pub use changes::world_triangles;
 pub use error::RenderError;
 pub use film::{Exposure, Film, Painted, Quantity};
 pub(crate) use flatten::{check_instance, check_mesh, flags_of};
+pub use lighting::{ambient, sky};
 pub use options::{RenderOptions, MAX_DEPTH, MAX_SIDE, MAX_SPP};
 pub use structure::Structure;
 

@@ -45,7 +45,7 @@ mod tests {
     #[test]
     fn degrees_are_short_and_lead_back_to_the_same_bits() {
         assert_eq!(degrees(35f64.to_radians() as f32), 35.0);
-        assert_eq!(degrees(0.7), 40.10705);
+        assert_eq!(degrees(0.7), 40.107045);
         let mut bits = 1e-5f32.to_bits();
         while f32::from_bits(bits) < 3.1 {
             let radians = f32::from_bits(bits);

@@ -21,7 +21,7 @@ mod tests;
 
 use std::time::Duration;
 
-use raywarp::scene::Camera;
+use raywarp::scene::{Camera, Projection};
 
 use super::keys::{self, Action};
 use super::pointer::{Drag, Pointer};
@@ -230,6 +230,46 @@ impl CameraControl {
         Ok(())
     }
 
+    /// Names of the scene's cameras, by which people tell them apart.
+    pub fn names(&self) -> Vec<String> {
+        let name = |(index, camera): (usize, &Camera)| format!("{index} {}", camera.name).trim_end().to_owned();
+        self.cameras.iter().enumerate().map(name).collect()
+    }
+
+    /// Which of the scene's cameras was looked through last.
+    pub fn chosen(&self) -> Option<usize> {
+        self.chosen
+    }
+
+    /// Looks through one of the scene's cameras.
+    ///
+    /// # Errors
+    /// As [`set`](Self::set), and where there is no such camera.
+    pub fn choose(&mut self, index: usize) -> Result<(), String> {
+        let camera = self.cameras.get(index).cloned().ok_or_else(|| format!("the scene has no camera {index}"))?;
+        self.chosen = Some(index);
+        self.set(camera)
+    }
+
+    /// A decimal hundredth of the scene: what one notch of a drag of a coordinate changes.
+    pub fn step_length(&self) -> f32 {
+        10f64.powf((0.02 * self.extent.radius).log10().floor()) as f32
+    }
+
+    /// The move in world space that takes a point, as seen, from one place of the picture to another, without changing
+    /// how far away it is; places are shares of the picture. None for a point behind a pinhole.
+    pub fn shift(&self, point: [f32; 3], from: [f32; 2], to: [f32; 2], aspect: f32) -> Option<[f32; 3]> {
+        let [right, up, forward] = self.pose.axes(&self.world);
+        let depth = (vec(point) - vec(self.camera.eye)).dot(forward);
+        let height = match self.pose.projection {
+            Projection::Perspective { fov_y } => 2.0 * depth * (0.5 * f64::from(fov_y)).tan(),
+            Projection::Orthographic { height } => f64::from(height),
+        };
+        let by = [0, 1].map(|i| f64::from(to[i]) - f64::from(from[i]));
+        let shift = (right * (by[0] * f64::from(aspect)) - up * by[1]) * height;
+        (height > 0.0 && shift.is_finite()).then(|| shift.as_vec3().to_array())
+    }
+
     fn step_camera(&mut self, by: usize) {
         let count = self.cameras.len();
         if count == 0 {
@@ -237,11 +277,8 @@ impl CameraControl {
         }
         // From none, a step back leads to the last and a step on to the first.
         let next = self.chosen.map_or(if by == 1 { 0 } else { count - 1 }, |chosen| (chosen + by) % count);
-        self.chosen = Some(next);
-        if let Some(camera) = self.cameras.get(next).cloned() {
-            // One that cannot be rendered from is passed over.
-            let _ = self.set(camera);
-        }
+        // One that cannot be rendered from is passed over.
+        let _ = self.choose(next);
     }
 
     /// Changes the pose within its limits; whether the camera is another.
@@ -269,7 +306,7 @@ fn framed(extent: &Extent, world: &World) -> (Camera, Pose) {
         yaw: 0.42,
         pitch: 0.31,
         roll: 0.0,
-        projection: raywarp::scene::Projection::Perspective { fov_y: 0.7 },
+        projection: Projection::Perspective { fov_y: 0.7 },
         fov: 0.7,
     };
     extent.frame(&mut pose, 1.0, 0.0);

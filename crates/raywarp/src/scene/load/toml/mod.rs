@@ -47,7 +47,7 @@ fn read_entered(path: &Path, sources: &mut Sources) -> Result<Scene, LoadError> 
     }
 }
 
-fn text(path: &Path, sources: &Sources) -> Result<String, LoadError> {
+fn text(path: &Path, sources: &mut Sources) -> Result<String, LoadError> {
     let bytes = sources.bytes(path)?;
     if bytes.len() > MAX_BYTES {
         return Err(LoadError::TooLarge {

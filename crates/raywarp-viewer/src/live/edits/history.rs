@@ -1,0 +1,101 @@
+//! What was changed, step by step, so that it can be taken back.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::time::{Duration, Instant};
+
+use super::field::Field;
+use crate::live::Value;
+
+/// Steps that are kept.
+const MOST_STEPS: usize = 256;
+/// Changes of one value that follow each other this fast are one step: the drag of a slider.
+const SAME_STEP: Duration = Duration::from_millis(800);
+
+/// Values that differ from those of the files.
+pub(super) type Changes = BTreeMap<Field, Value>;
+
+/// What a step made of some fields: the values before and after, none where they are as the files say.
+type Step = Vec<(Field, [Option<Value>; 2])>;
+
+/// The values that differ, and how they came to.
+#[derive(Clone, Debug, Default)]
+pub(super) struct History {
+    changes: Changes,
+    done: VecDeque<Step>,
+    undone: Vec<Step>,
+    last: Option<Instant>,
+}
+
+impl History {
+    pub fn changes(&self) -> &Changes {
+        &self.changes
+    }
+
+    pub fn can_undo(&self) -> bool {
+        !self.done.is_empty()
+    }
+
+    pub fn can_redo(&self) -> bool {
+        !self.undone.is_empty()
+    }
+
+    /// Gives fields their values, none for those of the files; returns the fields that are others now. With a time it is
+    /// one step with the change of the same field just before, without it is a step of its own.
+    pub fn set(&mut self, wanted: Vec<(Field, Option<Value>)>, now: Option<Instant>) -> Vec<Field> {
+        let step: Step = wanted
+            .into_iter()
+            .map(|(field, after)| (field, [self.changes.get(&field).cloned(), after]))
+            .filter(|(_, [before, after])| before != after)
+            .collect();
+        if step.is_empty() {
+            return Vec::new();
+        }
+        let touched = self.apply(&step, 1);
+        self.undone.clear();
+        let last = std::mem::replace(&mut self.last, now);
+        let soon = now.zip(last).is_some_and(|(now, last)| now.saturating_duration_since(last) < SAME_STEP);
+        match (self.done.back_mut().map(Vec::as_mut_slice), step.as_slice()) {
+            (Some([(field, [_, after])]), [(same, [_, value])]) if soon && field == same => *after = value.clone(),
+            _ => self.done.push_back(step),
+        }
+        if self.done.len() > MOST_STEPS {
+            self.done.pop_front();
+        }
+        touched
+    }
+
+    /// Takes the last step back; returns the fields that are others now.
+    pub fn undo(&mut self) -> Vec<Field> {
+        let Some(step) = self.done.pop_back() else { return Vec::new() };
+        let touched = self.apply(&step, 0);
+        self.undone.push(step);
+        self.last = None;
+        touched
+    }
+
+    /// Does the last step that was taken back again.
+    pub fn redo(&mut self) -> Vec<Field> {
+        let Some(step) = self.undone.pop() else { return Vec::new() };
+        let touched = self.apply(&step, 1);
+        self.done.push_back(step);
+        self.last = None;
+        touched
+    }
+
+    /// Keeps only the values of some fields, and forgets all steps.
+    pub fn retain(&mut self, keep: impl Fn(&Field) -> bool) {
+        let mut changes = std::mem::take(&mut self.changes);
+        changes.retain(|field, _| keep(field));
+        *self = Self { changes, ..Self::default() };
+    }
+
+    fn apply(&mut self, step: &Step, side: usize) -> Vec<Field> {
+        for (field, values) in step {
+            match values[side].clone() {
+                Some(value) => self.changes.insert(*field, value),
+                None => self.changes.remove(field),
+            };
+        }
+        step.iter().map(|(field, _)| *field).collect()
+    }
+}

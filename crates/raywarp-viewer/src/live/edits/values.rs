@@ -1,0 +1,193 @@
+//! Values of fields, and what the scene becomes by them.
+
+use raywarp::render;
+use raywarp::scene::{AlphaMode, Background, Light, LightKind, Material, Scene, Transform};
+
+use super::field::{BackgroundField, Field, InstanceField, LightField, MaterialField};
+use super::place::Shift;
+use super::Edits;
+use crate::live::Value;
+
+impl Edits {
+    /// What a field says now; nothing where the scene has no such thing.
+    pub(super) fn value(&self, field: Field) -> Option<Value> {
+        match field {
+            // The ambient colour follows the diffuse one.
+            Field::Material(index, field) => self.edited.materials.get(index).map(|m| material_value(m, field)),
+            _ => self.history.changes().get(&field).cloned().or_else(|| self.default(field)),
+        }
+    }
+
+    /// What it says without edits.
+    pub(super) fn default(&self, field: Field) -> Option<Value> {
+        match field {
+            Field::Light(index, field) => self.light_default(index, field),
+            Field::Material(index, field) => self.base.materials.get(index).map(|m| material_value(m, field)),
+            Field::Instance(index, field) => self.base.instances.get(index).map(|_| match field {
+                InstanceField::Translate => Value::Triple(Shift::NONE.translate),
+                InstanceField::Rotate => Value::Triple(Shift::NONE.rotate),
+                InstanceField::Scale => Value::Number(Shift::NONE.scale),
+            }),
+            Field::Background(field) => Some(Value::Triple(self.background_default(field))),
+        }
+    }
+
+    fn light_default(&self, index: usize, field: LightField) -> Option<Value> {
+        let light = self.base.lights.get(index)?;
+        let intensity = intensity(light);
+        let (position, direction) = match light.kind {
+            LightKind::Point { position } => (Some(position), None),
+            LightKind::Directional { direction } => (None, Some(direction)),
+            LightKind::Spot { position, direction, .. } => (Some(position), Some(direction)),
+        };
+        Some(match field {
+            LightField::There => Value::Flag(index < self.lights_read),
+            LightField::On => Value::Flag(true),
+            LightField::Color => Value::Triple(light.color.map(|channel| channel / intensity)),
+            LightField::Intensity => Value::Number(intensity),
+            LightField::Position => Value::Triple(position?),
+            LightField::Direction => Value::Triple(direction?),
+        })
+    }
+
+    fn background_default(&self, field: BackgroundField) -> [f32; 3] {
+        let sky = render::sky(&self.base);
+        match field {
+            BackgroundField::Zenith => sky.zenith,
+            BackgroundField::Horizon => sky.horizon,
+            BackgroundField::Ground => sky.ground,
+            // The built-in one is brighter without lights.
+            BackgroundField::Ambient => {
+                let lights = self.edited.lights.first().cloned().into_iter().collect();
+                render::ambient(&Scene { lights, ambient: self.base.ambient, ..Scene::default() })
+            }
+        }
+    }
+
+    /// A light with its edits; nothing if it was removed or does not exist. One that is off is black: a scene without
+    /// any would be given built-in ones.
+    pub(super) fn light(&self, index: usize) -> Option<Light> {
+        let mut light = self.base.lights.get(index).filter(|_| self.is_there(index))?.clone();
+        let value = |field| self.value(Field::Light(index, field));
+        let changed = |field| self.history.changes().contains_key(&Field::Light(index, field));
+        if changed(LightField::Color) || changed(LightField::Intensity) {
+            let (color, intensity) = (triple(value(LightField::Color)?)?, number(value(LightField::Intensity)?)?);
+            light.color = color.map(|channel| channel * intensity);
+        }
+        if value(LightField::On) == Some(Value::Flag(false)) {
+            light.color = [0.0; 3];
+        }
+        let (at, along) = (value(LightField::Position), value(LightField::Direction));
+        match &mut light.kind {
+            LightKind::Point { position } => *position = triple(at?)?,
+            LightKind::Directional { direction } => *direction = triple(along?)?,
+            LightKind::Spot { position, direction, .. } => (*position, *direction) = (triple(at?)?, triple(along?)?),
+        }
+        Some(light)
+    }
+
+    /// A material with its edits.
+    pub(super) fn material(&self, index: usize) -> Option<Material> {
+        let base = self.base.materials.get(index)?;
+        let mut material = base.clone();
+        let of = |field| self.history.changes().get(&Field::Material(index, field)).cloned();
+        for &field in MaterialField::ALL {
+            if let Some(value) = of(field) {
+                set_material(&mut material, field, value)?;
+            }
+        }
+        if of(MaterialField::Ambient).is_none() && base.ambient == base.diffuse {
+            material.ambient = material.diffuse;
+        }
+        // Opaque ignores the coverage: whoever sets one wants to see it.
+        if material.opacity != base.opacity && material.alpha == AlphaMode::Opaque {
+            material.alpha = AlphaMode::Blend;
+        }
+        Some(material)
+    }
+
+    /// Where an instance is with its edits.
+    pub(super) fn transform(&self, index: usize) -> Option<Transform> {
+        let instance = self.base.instances.get(index)?;
+        let middle = self.middles.get(instance.mesh).copied().unwrap_or_default();
+        let value = |field| self.value(Field::Instance(index, field));
+        let shift = Shift {
+            translate: triple(value(InstanceField::Translate)?)?,
+            rotate: triple(value(InstanceField::Rotate)?)?,
+            scale: number(value(InstanceField::Scale)?)?,
+        };
+        Some(shift.of(&instance.transform, middle))
+    }
+
+    /// The background with its edits; the renderer's choice where there are none.
+    pub(super) fn background(&self) -> Option<Background> {
+        let colors = [BackgroundField::Zenith, BackgroundField::Horizon, BackgroundField::Ground];
+        let changes = self.history.changes();
+        if !colors.iter().any(|&field| changes.contains_key(&Field::Background(field))) {
+            return self.base.background;
+        }
+        let [zenith, horizon, ground] = colors.map(|field| self.value(Field::Background(field)).and_then(triple));
+        Some(Background { zenith: zenith?, horizon: horizon?, ground: ground? })
+    }
+
+    /// The ambient light, likewise.
+    pub(super) fn ambient(&self) -> Option<[f32; 3]> {
+        let edited = self.history.changes().get(&Field::Background(BackgroundField::Ambient)).cloned();
+        edited.and_then(triple).or(self.base.ambient)
+    }
+}
+
+/// The largest channel: what remains is a colour.
+fn intensity(light: &Light) -> f32 {
+    let largest = light.color.iter().fold(0.0f32, |a, &b| a.max(b));
+    if largest > 0.0 && largest.is_finite() {
+        largest
+    } else {
+        1.0
+    }
+}
+
+fn material_value(material: &Material, field: MaterialField) -> Value {
+    match field {
+        MaterialField::Diffuse => Value::Triple(material.diffuse),
+        MaterialField::Specular => Value::Triple(material.specular),
+        MaterialField::Shininess => Value::Number(material.shininess),
+        MaterialField::Ambient => Value::Triple(material.ambient),
+        MaterialField::Emission => Value::Triple(material.emission),
+        MaterialField::Reflection => Value::Triple(material.reflection),
+        MaterialField::Transmission => Value::Triple(material.transmission),
+        MaterialField::Ior => Value::Number(material.ior),
+        MaterialField::Fresnel => Value::Flag(material.fresnel),
+        MaterialField::Opacity => Value::Number(material.opacity),
+    }
+}
+
+fn set_material(material: &mut Material, field: MaterialField, value: Value) -> Option<()> {
+    match field {
+        MaterialField::Diffuse => material.diffuse = triple(value)?,
+        MaterialField::Specular => material.specular = triple(value)?,
+        MaterialField::Shininess => material.shininess = number(value)?,
+        MaterialField::Ambient => material.ambient = triple(value)?,
+        MaterialField::Emission => material.emission = triple(value)?,
+        MaterialField::Reflection => material.reflection = triple(value)?,
+        MaterialField::Transmission => material.transmission = triple(value)?,
+        MaterialField::Ior => material.ior = number(value)?,
+        MaterialField::Fresnel => material.fresnel = value == Value::Flag(true),
+        MaterialField::Opacity => material.opacity = number(value)?,
+    }
+    Some(())
+}
+
+fn triple(value: Value) -> Option<[f32; 3]> {
+    match value {
+        Value::Triple(triple) => Some(triple),
+        _ => None,
+    }
+}
+
+fn number(value: Value) -> Option<f32> {
+    match value {
+        Value::Number(number) => Some(number),
+        _ => None,
+    }
+}
