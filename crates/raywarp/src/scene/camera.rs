@@ -29,3 +29,8 @@ pub enum Projection {
         height: f32,
     },
 }
+
+/// Radians of an angle in degrees: one rounding, so each angle in radians is the image of some angle in degrees.
+pub fn radians(degrees: f64) -> f32 {
+    degrees.to_radians() as f32
+}

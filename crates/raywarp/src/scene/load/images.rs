@@ -51,6 +51,7 @@ pub(super) fn from_file(path: &Path, asker: Asker, scene: &mut Scene, sources: &
     if let Some(index) = sources.images.find(&name, scene) {
         return Ok(index);
     }
+    sources.note(&path);
     let decoded = read(&path).and_then(|bytes| decode(&name, &bytes));
     add(&name, decoded, asker, scene, sources)
 }

@@ -10,10 +10,10 @@ pub(crate) mod quote;
 mod repair;
 mod source;
 mod text;
-mod toml;
+pub(in crate::scene) mod toml;
 mod triangulate;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::Scene;
 pub use error::{LoadError, Place};
@@ -26,10 +26,22 @@ pub struct Loaded {
     pub scene: Scene,
     /// Each thing that is not as the file asks, once, in the order found.
     pub warnings: Vec<Warning>,
+    /// Every file on disk that is part of the scene, textures and missing ones included, once, in the order asked for:
+    /// the scene may change when one of them does.
+    pub files: Vec<PathBuf>,
 }
 
 /// Extensions that [`load`] knows, without the dot.
 pub const EXTENSIONS: [&str; 5] = ["obj", "ply", "gltf", "glb", "toml"];
+
+/// What the built-in scene is called where a scene file starts from it.
+pub const BUILT_IN: &str = "built-in";
+
+/// Its files; the first names the others.
+const BUILT_IN_FILES: [(&str, &[u8]); 2] = [
+    ("built-in/paper.toml", include_bytes!("../../../../../scenes/paper/paper.toml")),
+    ("built-in/suzanne.ply", include_bytes!("../../../../../scenes/paper/suzanne.ply")),
+];
 
 /// Reads a scene from a file, with all the files it names.
 ///
@@ -39,7 +51,7 @@ pub const EXTENSIONS: [&str; 5] = ["obj", "ply", "gltf", "glb", "toml"];
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
     let mut sources = Sources::new(options);
     let scene = read(path, &mut sources)?;
-    Ok(Loaded { scene, warnings: sources.into_warnings() })
+    Ok(sources.into_loaded(scene))
 }
 
 /// The scene that is part of the program: the figure of the paper, Suzanne in a box of mirrors.
@@ -47,12 +59,10 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
 /// # Errors
 /// None unless raywarp was built from a broken scene.
 pub fn builtin() -> Result<Loaded, LoadError> {
-    let mut sources = Sources::new(&LoadOptions::default()).with_files(&[
-        ("built-in/paper.toml", include_bytes!("../../../../../scenes/paper/paper.toml")),
-        ("built-in/suzanne.ply", include_bytes!("../../../../../scenes/paper/suzanne.ply")),
-    ]);
-    let scene = read(Path::new("built-in/paper.toml"), &mut sources)?;
-    Ok(Loaded { scene, warnings: sources.into_warnings() })
+    let mut sources = Sources::new(&LoadOptions::default());
+    let path = sources.add_built_in();
+    let scene = read(&path, &mut sources)?;
+    Ok(sources.into_loaded(scene))
 }
 
 /// Reads one file of any known format; scene files call it for the meshes they name.

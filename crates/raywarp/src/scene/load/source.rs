@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::error::Place;
 use super::images::ImageIndices;
-use super::LoadError;
+use super::{LoadError, Loaded};
+use crate::scene::Scene;
 
 /// How forgiving reading is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,6 +49,9 @@ pub struct Sources {
     nesting: Vec<PathBuf>,
     /// How often each file was read as part of a scene.
     uses: HashMap<PathBuf, usize>,
+    /// Files on disk that were asked for, in order, each once.
+    asked: Vec<PathBuf>,
+    asked_before: HashSet<PathBuf>,
 }
 
 /// Most scene files within each other.
@@ -66,6 +70,8 @@ impl Sources {
             files: HashMap::new(),
             nesting: Vec::new(),
             uses: HashMap::new(),
+            asked: Vec::new(),
+            asked_before: HashSet::new(),
         }
     }
 
@@ -73,6 +79,14 @@ impl Sources {
     pub fn with_files(mut self, files: &[(&str, &[u8])]) -> Self {
         self.files.extend(files.iter().map(|(path, bytes)| (PathBuf::from(path), bytes.to_vec())));
         self
+    }
+
+    /// Makes the built-in scene readable, at the path returned.
+    pub(super) fn add_built_in(&mut self) -> PathBuf {
+        for (path, bytes) in super::BUILT_IN_FILES {
+            self.files.insert(PathBuf::from(path), bytes.to_vec());
+        }
+        PathBuf::from(super::BUILT_IN_FILES[0].0)
     }
 
     /// Notes that a scene file is being read; [`leave`](Self::leave) must follow.
@@ -86,7 +100,7 @@ impl Sources {
                 path: path.to_owned(),
                 place: Place::File,
                 what: "a scene file that names itself, be it by way of others,".to_owned(),
-                help: "Take it out of its own meshes.".to_owned(),
+                help: "Take it out of its own meshes, and do not make it its own base.".to_owned(),
             });
         }
         if self.nesting.len() == MAX_NESTING {
@@ -144,10 +158,11 @@ impl Sources {
     /// # Errors
     /// [`LoadError::Io`] for a missing or unreadable file, [`LoadError::Unsupported`] for what is no regular file: a
     /// directory holds nothing to read, and a pipe or a device might never end.
-    pub fn bytes(&self, path: &Path) -> Result<Vec<u8>, LoadError> {
+    pub fn bytes(&mut self, path: &Path) -> Result<Vec<u8>, LoadError> {
         if let Some(bytes) = self.files.get(path) {
             return Ok(bytes.clone());
         }
+        self.note(path);
         let failed = |source: std::io::Error| LoadError::Io {
             path: path.to_owned(),
             help: help_for(&source).to_owned(),
@@ -160,9 +175,16 @@ impl Sources {
         std::fs::read(path).map_err(failed)
     }
 
-    /// What was recorded, in order.
-    pub fn into_warnings(self) -> Vec<Warning> {
-        self.warnings
+    /// Notes that a file on disk is part of the scene, be it missing.
+    pub(super) fn note(&mut self, path: &Path) {
+        if self.asked_before.insert(path.to_owned()) {
+            self.asked.push(path.to_owned());
+        }
+    }
+
+    /// The scene that was read, with what was recorded on the way.
+    pub(super) fn into_loaded(self, scene: Scene) -> Loaded {
+        Loaded { scene, warnings: self.warnings, files: self.asked }
     }
 }
 

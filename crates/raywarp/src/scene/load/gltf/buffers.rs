@@ -109,7 +109,7 @@ fn read<'a>(
     origin: Origin,
     name: &str,
     uri: &str,
-    sources: &Sources,
+    sources: &mut Sources,
     files: &mut HashMap<PathBuf, Rc<Vec<u8>>>,
 ) -> Result<Data<'a>, LoadError> {
     let path = match resolve(origin, name, uri)? {

@@ -3,13 +3,15 @@
 use std::fmt;
 
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::values::{
-    Color, FieldOfView, Filter, Finite, Ior, NonNegative, PerAxis, Positive, Share, SpotAngle, TextOrTable,
-};
+use super::base::Base;
+use super::edits::{Move, Which};
+use super::place::Rows;
+use super::render::Render;
+use super::values::{Color, FieldOfView, Filter, Finite, Ior, NonNegative, PerAxis, Positive, Share, SpotAngle};
 
 /// A name, and where it stands.
 pub type Name = Spanned<String>;
@@ -21,12 +23,15 @@ pub type Vector = [Finite; 3];
 #[serde(deny_unknown_fields)]
 pub struct File {
     pub version: Spanned<i64>,
+    pub base: Option<Spanned<Base>>,
     #[serde(default)]
     pub up: Up,
     #[serde(default)]
     pub meshes: Vec<Spanned<Mesh>>,
     #[serde(default)]
     pub instances: Vec<Spanned<Instance>>,
+    #[serde(default)]
+    pub moves: Vec<Spanned<Move>>,
     #[serde(default)]
     pub materials: Vec<Spanned<Material>>,
     #[serde(default)]
@@ -35,6 +40,8 @@ pub struct File {
     pub cameras: Vec<Spanned<Camera>>,
     pub background: Option<Background>,
     pub ambient: Option<Color>,
+    #[serde(default)]
+    pub render: Render,
 }
 
 #[derive(Clone, Copy, Default, Deserialize, PartialEq)]
@@ -113,7 +120,7 @@ pub struct Instance {
     pub translate: Option<Vector>,
     pub rotate: Option<Rotation>,
     pub scale: Option<PerAxis<3>>,
-    pub matrix: Option<Spanned<Vec<[Finite; 4]>>>,
+    pub matrix: Option<Rows>,
     pub material: Option<Name>,
 }
 
@@ -158,7 +165,8 @@ impl<'de> Visitor<'de> for RotationVisitor {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
-    pub name: Name,
+    pub name: Option<Name>,
+    pub replaces: Option<Spanned<Which>>,
     pub ambient: Option<Color>,
     pub diffuse: Option<Color>,
     pub specular: Option<Color>,
@@ -167,13 +175,11 @@ pub struct Material {
     pub reflection: Option<Filter>,
     pub transmission: Option<Filter>,
     pub ior: Option<Ior>,
-    #[serde(default)]
-    pub fresnel: bool,
+    pub fresnel: Option<bool>,
     pub opacity: Option<Share>,
     pub alpha: Option<Alpha>,
     pub cutoff: Option<Share>,
-    #[serde(default)]
-    pub unlit: bool,
+    pub unlit: Option<bool>,
     pub diffuse_map: Option<Spanned<Texture>>,
     pub specular_map: Option<Spanned<Texture>>,
     pub emission_map: Option<Spanned<Texture>>,
@@ -190,13 +196,50 @@ pub enum Alpha {
     Blend,
 }
 
-/// A texture: a file name, or a table.
-pub struct Texture(pub TextureTable);
+/// A texture: a file name, or a table; or `false` for none.
+pub enum Texture {
+    None,
+    Given(TextureTable),
+}
+
+impl Texture {
+    /// What is said of it, if there is one.
+    pub fn table(&self) -> Option<&TextureTable> {
+        match self {
+            Self::None => None,
+            Self::Given(table) => Some(table),
+        }
+    }
+}
 
 impl<'de> Deserialize<'de> for Texture {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let expected = "an image file's name, or a table such as { file = \"wood.png\", wrap = \"clamp\" }";
-        deserializer.deserialize_any(TextOrTable::new(expected)).map(Self)
+        deserializer.deserialize_any(TextureVisitor)
+    }
+}
+
+struct TextureVisitor;
+
+impl<'de> Visitor<'de> for TextureVisitor {
+    type Value = Texture;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an image file's name, a table such as { file = \"wood.png\", wrap = \"clamp\" }, or false")
+    }
+
+    fn visit_bool<E: Error>(self, given: bool) -> Result<Texture, E> {
+        match given {
+            false => Ok(Texture::None),
+            true => Err(E::invalid_value(Unexpected::Bool(true), &self)),
+        }
+    }
+
+    fn visit_str<E: Error>(self, file: &str) -> Result<Texture, E> {
+        Ok(Texture::Given(TextureTable::from(file.to_owned())))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Texture, A::Error> {
+        TextureTable::deserialize(MapAccessDeserializer::new(map)).map(Texture::Given)
     }
 }
 
