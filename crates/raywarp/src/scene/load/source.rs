@@ -182,6 +182,11 @@ impl Sources {
         }
     }
 
+    /// What was recorded, in order.
+    pub fn into_warnings(self) -> Vec<Warning> {
+        self.warnings
+    }
+
     /// The scene that was read, with what was recorded on the way.
     pub(super) fn into_loaded(self, scene: Scene) -> Loaded {
         Loaded { scene, warnings: self.warnings, files: self.asked }

@@ -43,7 +43,12 @@ pub(super) struct View<'a> {
 
 impl<'a> Buffers<'a> {
     /// Reads every buffer; the one without a URI is the binary chunk.
-    pub fn load(origin: Origin, root: &'a Root, chunk: Option<&'a [u8]>, sources: &Sources) -> Result<Self, LoadError> {
+    pub fn load(
+        origin: Origin,
+        root: &'a Root,
+        chunk: Option<&'a [u8]>,
+        sources: &mut Sources,
+    ) -> Result<Self, LoadError> {
         let mut files = HashMap::new();
         let mut list = Vec::new();
         for (index, buffer) in root.buffers.iter().enumerate() {

@@ -2,7 +2,6 @@
 
 use serde::de::Deserializer;
 use serde::Deserialize;
-use toml::Spanned;
 
 use super::complaint::Complaint;
 use super::file::{self, Up};

@@ -145,7 +145,15 @@ impl List {
         let mut known: Vec<_> = self.by_name.iter().map(|(name, indices)| (indices, name.as_str())).collect();
         known.sort_unstable();
         let known: Vec<_> = known.into_iter().map(|(_, name)| name).collect();
-        Complaint::unknown(at, &format!("{} of another file", self.what), name, &known)
+        if known.is_empty() {
+            let read = format!("there is no {} '{name}'", self.what);
+            return Complaint::new(
+                at,
+                read,
+                format!("a {} of a file that this one names, and there is none", self.what),
+            );
+        }
+        Complaint::unknown(at, self.what, name, &known)
     }
 
     fn numbered(&self, at: usize, index: usize, count: usize) -> Result<usize, Complaint> {

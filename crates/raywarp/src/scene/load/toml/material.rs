@@ -4,7 +4,7 @@ use toml::Spanned;
 
 use super::complaint::Complaint;
 use super::file::{self, Alpha};
-use super::{Failure, Reader};
+use super::{texture, Failure, Reader};
 use crate::scene::load::images::{self, Asker};
 use crate::scene::{AlphaMode, Channel, Filter, Material, NormalMap, Texture, Wrap};
 
@@ -95,7 +95,7 @@ impl Reader<'_> {
         Ok(Some((texture, table.strength.map_or(1.0, |number| number.0))))
     }
 
-    fn texture(&mut self, table: &file::TextureTable, at: usize, srgb: bool) -> Result<Texture, Failure> {
+    fn texture(&mut self, table: &texture::TextureTable, at: usize, srgb: bool) -> Result<Texture, Failure> {
         let asker = Asker { path: self.path, line: Some(self.line(at)) };
         let path = self.folder.join(&table.file);
         let image = images::from_file(&path, asker, &mut self.scene, self.sources)?;
@@ -118,7 +118,7 @@ impl Reader<'_> {
 const USUAL_SHININESS: f32 = 32.0;
 
 /// What a material says about a map.
-type MapEntry = Option<Spanned<file::Texture>>;
+type MapEntry = Option<Spanned<texture::Texture>>;
 
 fn set<T>(value: &mut T, given: Option<T>) {
     if let Some(given) = given {
@@ -149,34 +149,34 @@ fn alpha(entry: &file::Material, before: AlphaMode, at: usize) -> Result<AlphaMo
     Ok(alpha)
 }
 
-impl From<file::Wrap> for Wrap {
-    fn from(wrap: file::Wrap) -> Self {
+impl From<texture::Wrap> for Wrap {
+    fn from(wrap: texture::Wrap) -> Self {
         match wrap {
-            file::Wrap::Repeat => Self::Repeat,
-            file::Wrap::Clamp => Self::Clamp,
-            file::Wrap::Mirror => Self::Mirror,
+            texture::Wrap::Repeat => Self::Repeat,
+            texture::Wrap::Clamp => Self::Clamp,
+            texture::Wrap::Mirror => Self::Mirror,
         }
     }
 }
 
-impl From<file::Filtering> for Filter {
-    fn from(filter: file::Filtering) -> Self {
+impl From<texture::Filtering> for Filter {
+    fn from(filter: texture::Filtering) -> Self {
         match filter {
-            file::Filtering::Nearest => Self::Nearest,
-            file::Filtering::Bilinear => Self::Bilinear,
+            texture::Filtering::Nearest => Self::Nearest,
+            texture::Filtering::Bilinear => Self::Bilinear,
         }
     }
 }
 
-impl From<file::Channel> for Channel {
-    fn from(channel: file::Channel) -> Self {
+impl From<texture::Channel> for Channel {
+    fn from(channel: texture::Channel) -> Self {
         match channel {
-            file::Channel::Rgb => Self::Rgb,
-            file::Channel::Red => Self::Red,
-            file::Channel::Green => Self::Green,
-            file::Channel::Blue => Self::Blue,
-            file::Channel::Alpha => Self::Alpha,
-            file::Channel::Luminance => Self::Luminance,
+            texture::Channel::Rgb => Self::Rgb,
+            texture::Channel::Red => Self::Red,
+            texture::Channel::Green => Self::Green,
+            texture::Channel::Blue => Self::Blue,
+            texture::Channel::Alpha => Self::Alpha,
+            texture::Channel::Luminance => Self::Luminance,
         }
     }
 }

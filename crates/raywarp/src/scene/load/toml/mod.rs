@@ -13,6 +13,7 @@ mod place;
 mod render;
 #[cfg(test)]
 mod tests;
+mod texture;
 mod values;
 
 use std::collections::HashMap;
