@@ -139,8 +139,8 @@ impl Reader<'_> {
         self.start_from_base(file)?;
         self.materials(file)?;
         let mut groups = self.groups(file)?;
-        self.edit_materials(file)?;
         self.place(file, &mut groups)?;
+        self.edit_materials(file)?;
         self.move_instances(file)?;
         for entry in &file.lights {
             self.scene.lights.push(light::light(entry)?);
