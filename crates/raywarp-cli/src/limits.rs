@@ -17,7 +17,7 @@ pub fn check(size: [u32; 2], options: &RenderOptions, plan: &Plan) -> anyhow::Re
 ///
 /// # Errors
 /// Where the crop leaves the picture.
-fn region(size: [u32; 2], crop: Option<[u32; 4]>) -> anyhow::Result<[u32; 2]> {
+pub fn region(size: [u32; 2], crop: Option<[u32; 4]>) -> anyhow::Result<[u32; 2]> {
     let [width, height] = size;
     let Some([x0, y0, x1, y1]) = crop else { return Ok(size) };
     anyhow::ensure!(
@@ -29,7 +29,7 @@ fn region(size: [u32; 2], crop: Option<[u32; 4]>) -> anyhow::Result<[u32; 2]> {
 }
 
 /// Refuses a picture that cannot be held in memory, with the numbers.
-fn check_memory([width, height]: [u32; 2], plan: &Plan, counted: bool) -> anyhow::Result<()> {
+pub fn check_memory([width, height]: [u32; 2], plan: &Plan, counted: bool) -> anyhow::Result<()> {
     let pixels = u64::from(width) * u64::from(height);
     let needed = pixels.saturating_mul(bytes_a_pixel(plan, counted));
     let host = Device::open(DeviceChoice::Cpu)?;
