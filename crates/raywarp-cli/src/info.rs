@@ -15,10 +15,14 @@ use crate::say;
 #[derive(Debug, Serialize)]
 struct Info {
     scene: SceneCounts,
+    /// Names, in the order that `[[moves]]` counts in.
+    instances: Vec<String>,
     materials: Vec<MaterialInfo>,
     images: Vec<ImageInfo>,
     cameras: Vec<String>,
     lights: Vec<String>,
+    /// Defaults for rendering that the scene file gives, in words.
+    render: String,
     /// Bytes of the scene as it was read.
     memory: u64,
     trees: Vec<TreeInfo>,
@@ -63,10 +67,12 @@ pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
     let (brute, kd, bvh) = (report(AccelKind::Brute)?, report(AccelKind::Kd)?, report(AccelKind::Bvh2)?);
     let info = Info {
         scene: SceneCounts::new(scene, &bvh),
+        instances: scene.instances.iter().map(|instance| instance.name.clone()).collect(),
         materials: scene.materials.iter().map(MaterialInfo::from).collect(),
         images: scene.images.iter().map(|i| ImageInfo { name: i.name.clone(), size: [i.width, i.height] }).collect(),
         cameras: scene.cameras.iter().map(|camera| camera.name.clone()).collect(),
         lights: scene.lights.iter().map(|light| light.name.clone()).collect(),
+        render: scene.render.to_string(),
         memory: memory(scene),
         trees: vec![
             TreeInfo::new(AccelKind::Brute, &brute),
@@ -135,10 +141,14 @@ impl Info {
         table.row("triangles", format!("{} ({} dropped)", scene.triangles, scene.dropped));
         table.row("vertices", scene.vertices);
         table.row("meshes", format!("{}, placed {} times", scene.meshes, scene.instances));
+        table.row("instances", numbered(&self.instances));
         let [low, high] = scene.bounds.map(|[x, y, z]| format!("{x} {y} {z}"));
         table.row("bounds", format!("{low}  to  {high}"));
         table.row("lights", named(&self.lights));
         table.row("cameras", named(&self.cameras));
+        if !self.render.is_empty() {
+            table.row("render", &self.render);
+        }
         table.row("memory", format!("{} as read", say::bytes(self.memory)));
         self.material_rows(&mut table);
         for image in &self.images {
@@ -156,8 +166,8 @@ impl Info {
 
     fn material_rows(&self, table: &mut Table) {
         table.row("materials", self.materials.len());
-        for material in &self.materials {
-            table.row("", material.sentence());
+        for (index, material) in self.materials.iter().enumerate() {
+            table.row("", format!("{index:>3} {}", material.sentence()));
         }
     }
 }
@@ -190,9 +200,21 @@ impl MaterialInfo {
     }
 }
 
+/// Names that are shown of a list.
+const SHOWN: usize = 12;
+
+/// How many, with numbers from 0 and names.
+fn numbered(names: &[String]) -> String {
+    let pairs: Vec<_> = names.iter().take(SHOWN).enumerate().map(|(i, name)| format!("{i} '{name}'")).collect();
+    match names.len() {
+        0 => "none".to_owned(),
+        count if count > SHOWN => format!("{count}: {}, ...", pairs.join(", ")),
+        count => format!("{count}: {}", pairs.join(", ")),
+    }
+}
+
 /// How many, and their names.
 fn named(names: &[String]) -> String {
-    const SHOWN: usize = 12;
     let shown: Vec<_> = names.iter().take(SHOWN).map(|name| format!("'{name}'")).collect();
     match names.len() {
         0 => "none".to_owned(),

@@ -3,8 +3,15 @@
 use raywarp::backend::{Device, DeviceChoice, DeviceError};
 use raywarp::image::Format;
 
+use crate::options::RenderOptions;
 use crate::output::Plan;
 use crate::say;
+
+/// Refuses a picture of a size, or the part of it that the options ask for, that is not there or cannot be held.
+pub fn check(size: [u32; 2], options: &RenderOptions, plan: &Plan) -> anyhow::Result<()> {
+    let region = region(size, options.crop)?;
+    check_memory(region, plan, plan.needs_tests() || options.stats.is_some())
+}
 
 /// Columns and rows that are rendered.
 ///

@@ -8,6 +8,7 @@ use raywarp::backend::{Device, DeviceChoice};
 use raywarp::image::{Layer, ToneMap};
 use raywarp::query::files::{Format, Mode};
 use raywarp::render::{MAX_DEPTH, MAX_SPP};
+use raywarp::scene::{RenderDefaults, Scene};
 
 pub use crate::bench::BenchOptions;
 use crate::values;
@@ -118,13 +119,13 @@ pub struct RenderOptions {
     /// Picture file, .png (sRGB) or .exr (linear), or - for PNG to standard output; may be repeated
     #[arg(short, long, value_name = "FILE", default_value = "raywarp.png", help_heading = "Output")]
     pub output: Vec<PathBuf>,
-    /// Brighten by EV stops, in PNG only: EXR holds the radiance itself
-    #[arg(long, value_name = "EV", default_value = "0", allow_hyphen_values = true, value_parser = values::exposure)]
+    /// Brighten by EV stops, in PNG only: EXR holds the radiance itself [default: the scene file's, else 0]
+    #[arg(long, value_name = "EV", allow_hyphen_values = true, value_parser = values::exposure)]
     #[arg(help_heading = "Output")]
-    pub exposure: f32,
-    /// What PNG does with radiance above 1: clamp, filmic
-    #[arg(long, value_name = "CURVE", default_value_t, help_heading = "Output")]
-    pub tone_map: ToneMap,
+    pub exposure: Option<f32>,
+    /// What PNG does with radiance above 1: clamp, filmic [default: the scene file's, else clamp]
+    #[arg(long, value_name = "CURVE", help_heading = "Output")]
+    pub tone_map: Option<ToneMap>,
     /// Layers, with commas: depth, normal, albedo, uv, position, primitive, material, tests; within an EXR, beside a
     /// PNG in false colours as NAME.LAYER.png
     #[arg(long, value_name = "LIST", value_delimiter = ',', help_heading = "Output")]
@@ -137,27 +138,29 @@ pub struct RenderOptions {
     #[arg(help_heading = "Output")]
     pub heatmap_max: Option<u64>,
 
-    /// Size of the picture in pixels
-    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = values::size)]
-    #[arg(help_heading = "Picture")]
-    pub size: [u32; 2],
+    /// Size of the picture in pixels [default: the scene file's, else 1920x1080]
+    #[arg(long, value_name = "WxH", value_parser = values::size, help_heading = "Picture")]
+    pub size: Option<[u32; 2]>,
     /// Render only columns x0 to x1 and rows y0 to y1, in pixels from the upper left, x1 and y1 excluded
     #[arg(long, value_name = "x0,y0,x1,y1", value_parser = values::crop, help_heading = "Picture")]
     pub crop: Option<[u32; 4]>,
-    /// Samples a pixel
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
+    /// Samples a pixel [default: the scene file's, else 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
     #[arg(help_heading = "Picture")]
-    pub spp: u32,
-    /// Mirrored and refracted rays in a row, 0 to 16
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_DEPTH)))]
+    pub spp: Option<u32>,
+    /// Mirrored and refracted rays in a row, 0 to 16 [default: the scene file's, else 5]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_DEPTH)))]
     #[arg(help_heading = "Picture")]
-    pub max_depth: u32,
+    pub max_depth: Option<u32>,
     /// Let every light reach everything
-    #[arg(long, help_heading = "Picture")]
+    #[arg(long, overrides_with = "shadows", help_heading = "Picture")]
     pub no_shadows: bool,
-    /// Start of the random numbers that place the samples
-    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Picture")]
-    pub seed: u32,
+    /// Let lights cast shadows, as they do unless the scene file says otherwise
+    #[arg(long, overrides_with = "no_shadows", help_heading = "Picture")]
+    pub shadows: bool,
+    /// Start of the random numbers that place the samples [default: the scene file's, else 0]
+    #[arg(long, value_name = "N", help_heading = "Picture")]
+    pub seed: Option<u32>,
 
     /// A camera of the scene, by its name or its number from 0; none: the first, or one that frames everything
     #[arg(long, value_name = "NAME|INDEX", help_heading = "Camera")]
@@ -200,6 +203,20 @@ impl RenderOptions {
     /// All defaults: what `raywarp` alone does.
     pub fn built_in() -> Self {
         Self::parse_from(["raywarp"])
+    }
+
+    /// What was asked for; the scene's wishes and raywarp's own defaults fill the rest.
+    pub fn wishes(&self) -> RenderDefaults {
+        RenderDefaults {
+            size: self.size,
+            spp: self.spp,
+            max_depth: self.max_depth,
+            shadows: if self.no_shadows { Some(false) } else { self.shadows.then_some(true) },
+            seed: self.seed,
+            exposure: self.exposure,
+            tone_map: self.tone_map,
+            ..self.machine.wishes()
+        }
     }
 }
 
@@ -341,12 +358,13 @@ pub struct MachineOptions {
     #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
     pub device: DeviceChoice,
     /// How to find hits: brute (every triangle), kd (the paper's k-d tree), or a hierarchy of boxes: bvh2, bvh2c, bvh,
-    /// bvh4, bvh8, bvh8w, bvh8f; none: the fastest on the device
+    /// bvh4, bvh8, bvh8w, bvh8f [default: the scene file's, else the fastest on the device]
     #[arg(long, value_name = "KIND", help_heading = "Machine")]
     pub accel: Option<AccelKind>,
-    /// How good a hierarchy of boxes should be: fast (to build), medium, high (to trace)
-    #[arg(long, value_name = "QUALITY", default_value = "medium", help_heading = "Machine")]
-    pub tree: Quality,
+    /// How good a hierarchy of boxes should be: fast (to build), medium, high (to trace) [default: the scene file's,
+    /// else medium]
+    #[arg(long, value_name = "QUALITY", help_heading = "Machine")]
+    pub tree: Option<Quality>,
     /// Build the tree anew instead of looking for it in the user's cache, or in the folder of RAYWARP_CACHE
     #[arg(long, help_heading = "Machine")]
     pub no_cache: bool,
@@ -356,10 +374,14 @@ pub struct MachineOptions {
 }
 
 impl MachineOptions {
-    /// What to build on a device.
-    pub fn build(&self, device: &Device) -> Build {
-        let kind = self.accel.unwrap_or_else(|| AccelKind::fastest_on(device));
-        Build { kind, quality: self.tree, cached: !self.no_cache }
+    /// What was asked for.
+    pub fn wishes(&self) -> RenderDefaults {
+        RenderDefaults { accel: self.accel, tree: self.tree, ..RenderDefaults::default() }
+    }
+
+    /// What to build of a scene on a device.
+    pub fn build(&self, scene: &Scene, device: &Device) -> Build {
+        self.wishes().or(&scene.render).build(device, !self.no_cache)
     }
 }
 
@@ -373,10 +395,30 @@ mod tests {
     }
 
     #[test]
-    fn defaults_are_those_of_the_library() {
-        let (options, library) = (super::RenderOptions::built_in(), raywarp::render::RenderOptions::default());
-        assert_eq!((options.size, options.spp, options.max_depth), (library.size, library.spp, library.max_depth));
-        assert_eq!((options.seed, !options.no_shadows), (library.seed, library.shadows));
-        assert_eq!((options.machine.accel, options.machine.tree), (None, raywarp::accel::Quality::default()));
+    fn nothing_is_asked_for_unless_it_is() {
+        assert_eq!(super::RenderOptions::built_in().wishes(), raywarp::scene::RenderDefaults::default());
+    }
+
+    #[test]
+    fn defaults_in_the_help_are_those_of_the_library() {
+        use raywarp::{image::Development, render::RenderOptions, scene::RenderDefaults};
+        let (usual, development) = (RenderOptions::default(), Development::default());
+        let [width, height] = usual.size;
+        let stated = [
+            ("size", format!("{width}x{height}")),
+            ("spp", usual.spp.to_string()),
+            ("max_depth", usual.max_depth.to_string()),
+            ("seed", usual.seed.to_string()),
+            ("exposure", development.exposure.to_string()),
+            ("tone_map", development.tone_map.to_string()),
+            ("tree", raywarp::accel::Quality::default().to_string()),
+        ];
+        let command = super::RenderOptions::command();
+        for (option, default) in stated {
+            let argument = command.get_arguments().find(|argument| argument.get_id() == option).unwrap();
+            let help = argument.get_help().unwrap().to_string();
+            assert!(help.ends_with(&format!("[default: the scene file's, else {default}]")), "{help}");
+        }
+        assert!(usual.shadows && RenderDefaults::default().options() == usual);
     }
 }

@@ -31,7 +31,7 @@ pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
     let loaded = read(options.scene.as_deref(), options.strict)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let device = Device::open(options.machine.device)?;
-    let what = options.machine.build(&device);
+    let what = options.machine.build(&loaded.scene, &device);
     let caster = RayCaster::from_scene(&loaded.scene, what, &device)?;
     refuse_dropped(options.strict, &caster.report().dropped)?;
     if !options.quiet {

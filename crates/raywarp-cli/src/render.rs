@@ -6,9 +6,9 @@ use std::time::Instant;
 use anyhow::Context;
 use raywarp::accel::{Build, Dropped};
 use raywarp::backend::Device;
-use raywarp::image::{Development, Layers};
+use raywarp::image::Layers;
 use raywarp::render::{self, Rendering, Tracer};
-use raywarp::scene::{load, Camera, LoadOptions, Loaded};
+use raywarp::scene::{load, Camera, LoadOptions, Loaded, RenderDefaults};
 
 use crate::interrupt::Interrupt;
 use crate::limits;
@@ -22,29 +22,33 @@ use crate::viewpoint;
 /// Renders a scene to files.
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let interrupt = Interrupt::install();
-    let region = limits::region(options.size, options.crop)?;
     let plan = plan(options, &interrupt)?;
-    limits::check_memory(region, &plan, plan.needs_tests() || options.stats.is_some())?;
+    if let Some(size) = options.size {
+        // Better told before a large scene is read.
+        limits::check(size, options, &plan)?;
+    }
     limit_threads(options.machine.threads)?;
 
     let start = Instant::now();
     let loaded = read(options.scene.as_deref(), options.strict)?;
     let load_seconds = start.elapsed().as_secs_f64();
+    let wishes = options.wishes().or(&loaded.scene.render);
+    limits::check(wishes.options().size, options, &plan)?;
     let chosen = options.camera.as_deref().map(|name| viewpoint::named(&loaded.scene.cameras, name)).transpose()?;
     let device = Device::open(options.machine.device)?;
-    let what = options.machine.build(&device);
+    let what = options.machine.build(&loaded.scene, &device);
     let tracer = Tracer::new(&loaded.scene, what, &device)?;
     refuse_dropped(options.strict, &tracer.report().dropped)?;
     say_notes(options, &loaded, &device, &tracer);
     let camera = viewpoint::adjusted(chosen.unwrap_or(tracer.default_camera()).clone(), &options.into());
 
-    let shot = Shot { options, what, plan: &plan, tracer: &tracer, camera: &camera };
+    let shot = Shot { options, wishes, what, plan: &plan, tracer: &tracer, camera: &camera };
     let taken = shot.take()?;
     let saving = Instant::now();
     let results = Results {
         picture: &taken.rendering.picture,
         layers: &shot.layers(&taken)?,
-        development: Development { exposure: options.exposure, tone_map: options.tone_map },
+        development: wishes.development(),
         heatmap_max: options.heatmap_max,
     };
     plan.write(&results, &interrupt, options.quiet)?;
@@ -68,7 +72,7 @@ fn statistics(shot: &Shot, device: &Device, loaded: &Loaded, taken: &Taken) -> S
         device: device.description(),
         accel: shot.what.kind.to_string(),
         size: [rendering.picture.width, rendering.picture.height],
-        spp: shot.options.spp,
+        spp: shot.wishes.options().spp,
         scene: SceneCounts::new(&loaded.scene, report),
         tree: (&report.tree).into(),
         device_bytes: report.device_bytes,
@@ -129,6 +133,8 @@ fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: 
 struct Shot<'a> {
     what: Build,
     options: &'a RenderOptions,
+    /// Those of the options and of the scene.
+    wishes: RenderDefaults,
     plan: &'a Plan,
     tracer: &'a Tracer,
     camera: &'a Camera,
@@ -174,16 +180,7 @@ impl Shot<'_> {
     }
 
     fn library_options(&self, count_tests: bool) -> render::RenderOptions {
-        let options = self.options;
-        render::RenderOptions {
-            size: options.size,
-            spp: options.spp,
-            max_depth: options.max_depth,
-            shadows: !options.no_shadows,
-            seed: options.seed,
-            crop: options.crop,
-            count_tests,
-        }
+        render::RenderOptions { crop: self.options.crop, count_tests, ..self.wishes.options() }
     }
 }
 

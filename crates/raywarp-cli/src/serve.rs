@@ -21,7 +21,12 @@ pub fn run(options: &ServeOptions) -> anyhow::Result<()> {
     let stopper = server.stopper();
     interrupt::once(move || stopper.stop());
     let machine = &options.machine;
-    let how = StageOptions { accel: machine.accel, quality: machine.tree, cached: !machine.no_cache, ..StageOptions::default() };
+    let how = StageOptions {
+        accel: machine.accel,
+        quality: machine.tree.unwrap_or_default(),
+        cached: !machine.no_cache,
+        ..StageOptions::default()
+    };
     let source = Source { path: options.scene.clone(), strict: options.strict, watch: options.watch };
     server.run(|| Stage::open(source, device, how))?;
     std::process::exit(INTERRUPTED)

@@ -33,5 +33,10 @@ fn source(options: &ViewOptions) -> Source {
 
 fn stage_options(options: &ViewOptions) -> StageOptions {
     let machine = &options.machine;
-    StageOptions { accel: machine.accel, quality: machine.tree, cached: !machine.no_cache, ..StageOptions::default() }
+    StageOptions {
+        accel: machine.accel,
+        quality: machine.tree.unwrap_or_default(),
+        cached: !machine.no_cache,
+        ..StageOptions::default()
+    }
 }

@@ -1,6 +1,6 @@
 //! The camera that options ask for.
 
-use raywarp::scene::{Camera, Projection};
+use raywarp::scene::{radians, Camera, Projection};
 
 use crate::options::RenderOptions;
 
@@ -49,7 +49,7 @@ pub fn adjusted(mut camera: Camera, view: &View) -> Camera {
     camera.target = view.target.unwrap_or(camera.target);
     camera.up = view.up.unwrap_or(camera.up);
     if let Some(degrees) = view.fov {
-        camera.projection = Projection::Perspective { fov_y: degrees.to_radians() as f32 };
+        camera.projection = Projection::Perspective { fov_y: radians(degrees) };
     }
     if let Some(height) = view.ortho {
         camera.projection = Projection::Orthographic { height };

@@ -15,7 +15,8 @@ pub struct Development {
 }
 
 /// The curve from exposed radiance to display-linear light in 0 to 1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum ToneMap {
     /// Everything above 1 is 1: what Phong's model expects.
     #[default]

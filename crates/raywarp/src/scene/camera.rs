@@ -30,12 +30,16 @@ pub enum Projection {
     },
 }
 
-/// An angle in degrees, as short a number as gives back exactly these radians when it is turned into radians in double
-/// precision and then rounded: what the command line does with `--fov`.
+/// Radians of an angle in degrees: one rounding, so each angle in radians is the image of some angle in degrees.
+pub fn radians(degrees: f64) -> f32 {
+    degrees.to_radians() as f32
+}
+
+/// An angle in degrees, as short a number as [`radians`] turns into exactly these radians.
 pub fn degrees(radians: f32) -> f64 {
     let exact = f64::from(radians).to_degrees();
     let rounded = |digits: usize| format!("{exact:.digits$e}").parse().unwrap_or(exact);
-    (0..17).map(rounded).find(|&degrees: &f64| degrees.to_radians() as f32 == radians).unwrap_or(exact)
+    (0..17).map(rounded).find(|&degrees: &f64| self::radians(degrees) == radians).unwrap_or(exact)
 }
 
 #[cfg(test)]
@@ -44,13 +48,13 @@ mod tests {
 
     #[test]
     fn degrees_are_short_and_lead_back_to_the_same_bits() {
-        assert_eq!(degrees(35f64.to_radians() as f32), 35.0);
+        assert_eq!(degrees(radians(35.0)), 35.0);
         assert_eq!(degrees(0.7), 40.107045);
         let mut bits = 1e-5f32.to_bits();
         while f32::from_bits(bits) < 3.1 {
-            let radians = f32::from_bits(bits);
-            let text = degrees(radians).to_string();
-            assert_eq!(text.parse::<f64>().unwrap().to_radians() as f32, radians, "{text}");
+            let angle = f32::from_bits(bits);
+            let text = degrees(angle).to_string();
+            assert_eq!(radians(text.parse().unwrap()), angle, "{text}");
             bits += 10_007;
         }
     }

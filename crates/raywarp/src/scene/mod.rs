@@ -5,15 +5,18 @@
 
 mod background;
 mod camera;
+mod defaults;
 mod image;
 mod light;
 pub mod load;
 mod material;
 mod mesh;
 pub mod normals;
+pub mod save;
 
 pub use background::Background;
-pub use camera::{degrees, Camera, Projection};
+pub use camera::{degrees, radians, Camera, Projection};
+pub use defaults::RenderDefaults;
 pub use image::Image;
 pub use light::{Light, LightKind};
 pub use load::{LoadError, LoadOptions, Loaded, Warning};
@@ -39,4 +42,24 @@ pub struct Scene {
     pub background: Option<Background>,
     /// Light that arrives everywhere, multiplied by each material's ambient colour. `None`: the renderer's choice.
     pub ambient: Option<[f32; 3]>,
+    /// Defaults for the options of rendering.
+    pub render: RenderDefaults,
+}
+
+impl Scene {
+    /// A copy without the geometry and the texels: all that can be edited, and small. Indices into
+    /// [`meshes`](Self::meshes) and [`images`](Self::images) lead nowhere in it, so it cannot be rendered.
+    pub fn outline(&self) -> Self {
+        Self {
+            meshes: Vec::new(),
+            images: Vec::new(),
+            instances: self.instances.clone(),
+            materials: self.materials.clone(),
+            lights: self.lights.clone(),
+            cameras: self.cameras.clone(),
+            background: self.background,
+            ambient: self.ambient,
+            render: self.render,
+        }
+    }
 }

@@ -10,7 +10,7 @@ pub(crate) mod quote;
 mod repair;
 mod source;
 mod text;
-mod toml;
+pub(in crate::scene) mod toml;
 mod triangulate;
 
 use std::path::{Path, PathBuf};
@@ -43,6 +43,15 @@ pub struct Attempt {
 /// Extensions that [`load`] knows, without the dot.
 pub const EXTENSIONS: [&str; 5] = ["obj", "ply", "gltf", "glb", "toml"];
 
+/// What the built-in scene is called where a scene file starts from it.
+pub const BUILT_IN: &str = "built-in";
+
+/// Its files; the first names the others.
+const BUILT_IN_FILES: [(&str, &[u8]); 2] = [
+    ("built-in/paper.toml", include_bytes!("../../../../../scenes/paper/paper.toml")),
+    ("built-in/suzanne.ply", include_bytes!("../../../../../scenes/paper/suzanne.ply")),
+];
+
 /// Reads a scene from a file, with all the files it names.
 ///
 /// # Errors
@@ -65,11 +74,9 @@ pub fn attempt(path: &Path, options: &LoadOptions) -> Attempt {
 /// # Errors
 /// None unless raywarp was built from a broken scene.
 pub fn builtin() -> Result<Loaded, LoadError> {
-    let mut sources = Sources::new(&LoadOptions::default()).with_files(&[
-        ("built-in/paper.toml", include_bytes!("../../../../../scenes/paper/paper.toml")),
-        ("built-in/suzanne.ply", include_bytes!("../../../../../scenes/paper/suzanne.ply")),
-    ]);
-    let scene = read(Path::new("built-in/paper.toml"), &mut sources)?;
+    let mut sources = Sources::new(&LoadOptions::default());
+    let path = sources.add_built_in();
+    let scene = read(&path, &mut sources)?;
     Ok(sources.into_loaded(scene))
 }
 

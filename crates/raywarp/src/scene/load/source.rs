@@ -81,6 +81,14 @@ impl Sources {
         self
     }
 
+    /// Makes the built-in scene readable, at the path returned.
+    pub(super) fn add_built_in(&mut self) -> PathBuf {
+        for (path, bytes) in super::BUILT_IN_FILES {
+            self.files.insert(PathBuf::from(path), bytes.to_vec());
+        }
+        PathBuf::from(super::BUILT_IN_FILES[0].0)
+    }
+
     /// Notes that a scene file is being read; [`leave`](Self::leave) must follow.
     ///
     /// # Errors
@@ -92,7 +100,7 @@ impl Sources {
                 path: path.to_owned(),
                 place: Place::File,
                 what: "a scene file that names itself, be it by way of others,".to_owned(),
-                help: "Take it out of its own meshes.".to_owned(),
+                help: "Take it out of its own meshes, and do not make it its own base.".to_owned(),
             });
         }
         if self.nesting.len() == MAX_NESTING {

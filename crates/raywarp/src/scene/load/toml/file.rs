@@ -7,9 +7,12 @@ use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::values::{
-    Color, FieldOfView, Filter, Finite, Ior, NonNegative, PerAxis, Positive, Share, SpotAngle, TextOrTable,
-};
+use super::base::Base;
+use super::edits::{Move, Which};
+use super::place::Rows;
+use super::render::Render;
+use super::texture::Texture;
+use super::values::{Color, FieldOfView, Filter, Finite, Ior, NonNegative, PerAxis, Positive, Share, SpotAngle};
 
 /// A name, and where it stands.
 pub type Name = Spanned<String>;
@@ -21,12 +24,15 @@ pub type Vector = [Finite; 3];
 #[serde(deny_unknown_fields)]
 pub struct File {
     pub version: Spanned<i64>,
+    pub base: Option<Spanned<Base>>,
     #[serde(default)]
     pub up: Up,
     #[serde(default)]
     pub meshes: Vec<Spanned<Mesh>>,
     #[serde(default)]
     pub instances: Vec<Spanned<Instance>>,
+    #[serde(default)]
+    pub moves: Vec<Spanned<Move>>,
     #[serde(default)]
     pub materials: Vec<Spanned<Material>>,
     #[serde(default)]
@@ -35,6 +41,8 @@ pub struct File {
     pub cameras: Vec<Spanned<Camera>>,
     pub background: Option<Background>,
     pub ambient: Option<Color>,
+    #[serde(default)]
+    pub render: Render,
 }
 
 #[derive(Clone, Copy, Default, Deserialize, PartialEq)]
@@ -113,7 +121,7 @@ pub struct Instance {
     pub translate: Option<Vector>,
     pub rotate: Option<Rotation>,
     pub scale: Option<PerAxis<3>>,
-    pub matrix: Option<Spanned<Vec<[Finite; 4]>>>,
+    pub matrix: Option<Rows>,
     pub material: Option<Name>,
 }
 
@@ -158,7 +166,8 @@ impl<'de> Visitor<'de> for RotationVisitor {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
-    pub name: Name,
+    pub name: Option<Name>,
+    pub replaces: Option<Spanned<Which>>,
     pub ambient: Option<Color>,
     pub diffuse: Option<Color>,
     pub specular: Option<Color>,
@@ -167,13 +176,11 @@ pub struct Material {
     pub reflection: Option<Filter>,
     pub transmission: Option<Filter>,
     pub ior: Option<Ior>,
-    #[serde(default)]
-    pub fresnel: bool,
+    pub fresnel: Option<bool>,
     pub opacity: Option<Share>,
     pub alpha: Option<Alpha>,
     pub cutoff: Option<Share>,
-    #[serde(default)]
-    pub unlit: bool,
+    pub unlit: Option<bool>,
     pub diffuse_map: Option<Spanned<Texture>>,
     pub specular_map: Option<Spanned<Texture>>,
     pub emission_map: Option<Spanned<Texture>>,
@@ -188,102 +195,6 @@ pub enum Alpha {
     Opaque,
     Mask,
     Blend,
-}
-
-/// A texture: a file name, or a table.
-pub struct Texture(pub TextureTable);
-
-impl<'de> Deserialize<'de> for Texture {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let expected = "an image file's name, or a table such as { file = \"wood.png\", wrap = \"clamp\" }";
-        deserializer.deserialize_any(TextOrTable::new(expected)).map(Self)
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TextureTable {
-    pub file: String,
-    pub srgb: Option<bool>,
-    pub wrap: Option<Wraps>,
-    pub filter: Option<Filtering>,
-    pub channel: Option<Channel>,
-    pub scale: Option<PerAxis<2>>,
-    pub offset: Option<[Finite; 2]>,
-    pub base: Option<Finite>,
-    pub gain: Option<Finite>,
-    pub strength: Option<Finite>,
-}
-
-impl From<String> for TextureTable {
-    fn from(file: String) -> Self {
-        Self {
-            file,
-            srgb: None,
-            wrap: None,
-            filter: None,
-            channel: None,
-            scale: None,
-            offset: None,
-            base: None,
-            gain: None,
-            strength: None,
-        }
-    }
-}
-
-/// One way for both directions, or one for each.
-pub struct Wraps(pub [Wrap; 2]);
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Wrap {
-    Repeat,
-    Clamp,
-    Mirror,
-}
-
-impl<'de> Deserialize<'de> for Wraps {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(WrapsVisitor)
-    }
-}
-
-struct WrapsVisitor;
-
-impl<'de> Visitor<'de> for WrapsVisitor {
-    type Value = Wraps;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("\"repeat\", \"clamp\" or \"mirror\", or an array of two of them")
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<Wraps, E> {
-        let wrap = Wrap::deserialize(serde::de::value::StrDeserializer::new(text))?;
-        Ok(Wraps([wrap; 2]))
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, wraps: A) -> Result<Wraps, A::Error> {
-        Deserialize::deserialize(SeqAccessDeserializer::new(wraps)).map(Wraps)
-    }
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Filtering {
-    Nearest,
-    Bilinear,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Channel {
-    Rgb,
-    Red,
-    Green,
-    Blue,
-    Alpha,
-    Luminance,
 }
 
 #[derive(Deserialize)]

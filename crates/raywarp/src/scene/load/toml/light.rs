@@ -4,7 +4,7 @@ use toml::Spanned;
 
 use super::complaint::Complaint;
 use super::file::{self, Up};
-use crate::scene::{Background, Camera, Light, LightKind, Projection};
+use crate::scene::{radians, Background, Camera, Light, LightKind, Projection};
 
 /// A light as the file places it.
 pub fn light(entry: &Spanned<file::Light>) -> Result<Light, Complaint> {
@@ -77,15 +77,16 @@ fn direction(entry: &file::Light, from: [f32; 3], at: usize) -> Result<[f32; 3],
 fn cone(entry: &file::Light, at: usize) -> Result<(f32, f32), Complaint> {
     let outer = entry.outer.map_or(45.0, |angle| angle.0);
     let inner = entry.inner.map_or(0.8 * outer, |angle| angle.0);
-    if inner >= outer {
+    let (inner_radians, outer_radians) = (radians(inner), radians(outer));
+    if inner_radians >= outer_radians {
         let read = format!("a spot light with inner = {inner} and outer = {outer} degrees");
         return Err(Complaint::new(at, read, "inner below outer"));
     }
-    Ok((inner.to_radians(), outer.to_radians()))
+    Ok((inner_radians, outer_radians))
 }
 
 /// Vertical field of view of a camera that says none, in degrees.
-const USUAL_FIELD_OF_VIEW: f32 = 45.0;
+const USUAL_FIELD_OF_VIEW: f64 = 45.0;
 
 /// A camera as the file places it.
 pub fn camera(entry: &Spanned<file::Camera>, up: Up) -> Result<Camera, Complaint> {
@@ -96,7 +97,7 @@ pub fn camera(entry: &Spanned<file::Camera>, up: Up) -> Result<Camera, Complaint
             return Err(Complaint::new(at, "a camera with fov and height", "one of them"));
         }
         (None, Some(height)) => Projection::Orthographic { height: height.0 },
-        (fov, None) => Projection::Perspective { fov_y: fov.map_or(USUAL_FIELD_OF_VIEW, |angle| angle.0).to_radians() },
+        (fov, None) => Projection::Perspective { fov_y: radians(fov.map_or(USUAL_FIELD_OF_VIEW, |angle| angle.0)) },
     };
     let usual_up = if up == Up::Z { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
     let (eye, target) = (plain(entry.eye), plain(entry.target));

@@ -4,73 +4,100 @@ use toml::Spanned;
 
 use super::complaint::Complaint;
 use super::file::{self, Alpha};
-use super::{Failure, Reader};
+use super::{texture, Failure, Reader};
 use crate::scene::load::images::{self, Asker};
 use crate::scene::{AlphaMode, Channel, Filter, Material, NormalMap, Texture, Wrap};
 
 impl Reader<'_> {
-    /// Reads a material into the scene.
-    pub(super) fn material(&mut self, entry: &Spanned<file::Material>) -> Result<(), Failure> {
+    /// A material of this file.
+    pub(super) fn new_material(&mut self, entry: &Spanned<file::Material>, name: &str) -> Result<Material, Failure> {
+        let mut material = Material { name: name.to_owned(), shininess: USUAL_SHININESS, ..Material::default() };
+        let given = entry.get_ref();
+        if let Some(diffuse) = given.diffuse {
+            material.ambient = diffuse.0;
+        }
+        // Coverage below one mixes unless the file says otherwise.
+        let mapped = given.opacity_map.as_ref().is_some_and(|map| map.get_ref().table().is_some());
+        if mapped || given.opacity.is_some_and(|opacity| opacity.0 < 1.0) {
+            material.alpha = AlphaMode::Blend;
+        }
+        self.set_material(entry, &mut material)?;
+        Ok(material)
+    }
+
+    /// Gives a material what an entry says, and leaves the rest of it alone.
+    pub(super) fn set_material(
+        &mut self,
+        entry: &Spanned<file::Material>,
+        material: &mut Material,
+    ) -> Result<(), Failure> {
         let at = entry.span().start;
         let entry = entry.get_ref();
-        let usual = Material::default();
-        let diffuse = entry.diffuse.map_or(usual.diffuse, |color| color.0);
-        let specular = entry.specular.map_or(usual.specular, |color| color.0);
-        let material = Material {
-            name: entry.name.get_ref().clone(),
-            ambient: entry.ambient.map_or(diffuse, |color| color.0),
-            diffuse,
-            specular,
-            shininess: entry.shininess.map_or(USUAL_SHININESS, |number| number.0),
-            emission: entry.emission.map_or(usual.emission, |color| color.0),
-            reflection: entry.reflection.map_or(usual.reflection, |color| color.0),
-            transmission: entry.transmission.map_or(usual.transmission, |color| color.0),
-            ior: entry.ior.map_or(usual.ior, |number| number.0),
-            fresnel: entry.fresnel,
-            opacity: entry.opacity.map_or(usual.opacity, |number| number.0),
-            alpha: alpha(entry, at)?,
-            unlit: entry.unlit,
-            diffuse_map: self.optional(&entry.diffuse_map, true)?,
-            specular_map: self.optional(&entry.specular_map, true)?,
-            emission_map: self.optional(&entry.emission_map, true)?,
-            opacity_map: self.opacity_map(entry)?,
-            normal_map: self.normal_map(entry, at)?,
-        };
-        self.scene.materials.push(material);
+        set(&mut material.ambient, entry.ambient.map(|color| color.0));
+        set(&mut material.diffuse, entry.diffuse.map(|color| color.0));
+        set(&mut material.specular, entry.specular.map(|color| color.0));
+        set(&mut material.shininess, entry.shininess.map(|number| number.0));
+        set(&mut material.emission, entry.emission.map(|color| color.0));
+        set(&mut material.reflection, entry.reflection.map(|color| color.0));
+        set(&mut material.transmission, entry.transmission.map(|color| color.0));
+        set(&mut material.ior, entry.ior.map(|number| number.0));
+        set(&mut material.fresnel, entry.fresnel);
+        set(&mut material.opacity, entry.opacity.map(|number| number.0));
+        material.alpha = alpha(entry, material.alpha, at)?;
+        set(&mut material.unlit, entry.unlit);
+        set(&mut material.diffuse_map, self.map(&entry.diffuse_map, true)?);
+        set(&mut material.specular_map, self.map(&entry.specular_map, true)?);
+        set(&mut material.emission_map, self.map(&entry.emission_map, true)?);
+        set(&mut material.opacity_map, self.opacity_map(entry)?);
+        set(&mut material.normal_map, self.normal_map(entry, at)?);
         Ok(())
     }
 
-    fn optional(&mut self, entry: &Option<Spanned<file::Texture>>, srgb: bool) -> Result<Option<Texture>, Failure> {
+    /// What an entry says about a map: nothing, that there is none, or a texture.
+    fn map(&mut self, entry: &MapEntry, srgb: bool) -> Result<Option<Option<Texture>>, Failure> {
         let Some(entry) = entry else { return Ok(None) };
-        if entry.get_ref().0.strength.is_some() {
+        let Some(table) = entry.get_ref().table() else { return Ok(Some(None)) };
+        if table.strength.is_some() {
             let expected = "strength on a normal_map or a height_map alone";
             return Err(Complaint::new(entry.span().start, "a strength", expected).into());
         }
-        self.texture(entry, srgb).map(Some)
+        self.texture(table, entry.span().start, srgb).map(|texture| Some(Some(texture)))
     }
 
-    fn opacity_map(&mut self, entry: &file::Material) -> Result<Option<Texture>, Failure> {
-        let texture = self.optional(&entry.opacity_map, false)?;
-        let chosen = entry.opacity_map.as_ref().is_some_and(|map| map.get_ref().0.channel.is_some());
-        Ok(texture.map(|texture| if chosen { texture } else { Texture { channel: Channel::Luminance, ..texture } }))
+    fn opacity_map(&mut self, entry: &file::Material) -> Result<Option<Option<Texture>>, Failure> {
+        let map = self.map(&entry.opacity_map, false)?;
+        let table = entry.opacity_map.as_ref().and_then(|map| map.get_ref().table());
+        if table.is_some_and(|table| table.channel.is_some()) {
+            return Ok(map);
+        }
+        Ok(map.map(|texture| texture.map(|texture| Texture { channel: Channel::Luminance, ..texture })))
     }
 
-    fn normal_map(&mut self, entry: &file::Material, at: usize) -> Result<Option<NormalMap>, Failure> {
-        let strength = |map: &Spanned<file::Texture>| map.get_ref().0.strength.map_or(1.0, |number| number.0);
-        Ok(match (&entry.normal_map, &entry.height_map) {
-            (None, None) => None,
-            (Some(map), None) => Some(NormalMap::Tangent { texture: self.texture(map, false)?, scale: strength(map) }),
-            (None, Some(map)) => Some(NormalMap::Height { texture: self.texture(map, false)?, scale: strength(map) }),
-            (Some(_), Some(_)) => {
-                return Err(Complaint::new(at, "a normal_map and a height_map", "one of them").into());
-            }
-        })
+    /// The same of what bends the normal: the two kinds of maps are one thing of a material.
+    fn normal_map(&mut self, entry: &file::Material, at: usize) -> Result<Option<Option<NormalMap>>, Failure> {
+        let given = |entry: &'_ MapEntry| entry.as_ref().is_some_and(|map| map.get_ref().table().is_some());
+        match (given(&entry.normal_map), given(&entry.height_map)) {
+            (true, true) => return Err(Complaint::new(at, "a normal_map and a height_map", "one of them").into()),
+            (false, false) => return Ok((entry.normal_map.is_some() || entry.height_map.is_some()).then_some(None)),
+            _ => {}
+        }
+        let normal = self.bump(&entry.normal_map)?.map(|(texture, scale)| NormalMap::Tangent { texture, scale });
+        let height = self.bump(&entry.height_map)?.map(|(texture, scale)| NormalMap::Height { texture, scale });
+        Ok(Some(normal.or(height)))
     }
 
-    fn texture(&mut self, entry: &Spanned<file::Texture>, srgb: bool) -> Result<Texture, Failure> {
-        let table = &entry.get_ref().0;
-        let asker = Asker { path: self.path, line: Some(self.line(entry.span().start)) };
-        let path = self.base.join(&table.file);
+    /// A texture that is not for colours, and its strength.
+    fn bump(&mut self, entry: &MapEntry) -> Result<Option<(Texture, f32)>, Failure> {
+        let Some((map, table)) = entry.as_ref().and_then(|map| Some((map, map.get_ref().table()?))) else {
+            return Ok(None);
+        };
+        let texture = self.texture(table, map.span().start, false)?;
+        Ok(Some((texture, table.strength.map_or(1.0, |number| number.0))))
+    }
+
+    fn texture(&mut self, table: &texture::TextureTable, at: usize, srgb: bool) -> Result<Texture, Failure> {
+        let asker = Asker { path: self.path, line: Some(self.line(at)) };
+        let path = self.folder.join(&table.file);
         let image = images::from_file(&path, asker, &mut self.scene, self.sources)?;
         let usual = Texture::new(image, table.srgb.unwrap_or(srgb));
         let [u, v] = table.scale.map_or([1.0; 2], |scale| scale.0);
@@ -90,49 +117,66 @@ impl Reader<'_> {
 /// Of a highlight without a given exponent; it shows only where `specular` is given.
 const USUAL_SHININESS: f32 = 32.0;
 
-/// Coverage below one mixes unless the file says otherwise.
-fn alpha(entry: &file::Material, at: usize) -> Result<AlphaMode, Complaint> {
-    let partial = entry.opacity.is_some_and(|opacity| opacity.0 < 1.0) || entry.opacity_map.is_some();
-    let usual = if partial { Alpha::Blend } else { Alpha::Opaque };
-    let alpha = entry.alpha.unwrap_or(usual);
-    if entry.cutoff.is_some() && alpha != Alpha::Mask {
+/// What a material says about a map.
+type MapEntry = Option<Spanned<texture::Texture>>;
+
+fn set<T>(value: &mut T, given: Option<T>) {
+    if let Some(given) = given {
+        *value = given;
+    }
+}
+
+/// Least coverage that is there, unless the file says otherwise.
+const USUAL_CUTOFF: f32 = 0.5;
+
+/// What coverage means, given what it meant before.
+fn alpha(entry: &file::Material, before: AlphaMode, at: usize) -> Result<AlphaMode, Complaint> {
+    let cutoff = entry.cutoff.map(|number| number.0);
+    let mask = match before {
+        AlphaMode::Mask(before) => AlphaMode::Mask(cutoff.unwrap_or(before)),
+        _ => AlphaMode::Mask(cutoff.unwrap_or(USUAL_CUTOFF)),
+    };
+    let alpha = match entry.alpha {
+        Some(Alpha::Opaque) => AlphaMode::Opaque,
+        Some(Alpha::Mask) => mask,
+        Some(Alpha::Blend) => AlphaMode::Blend,
+        None if matches!(before, AlphaMode::Mask(_)) => mask,
+        None => before,
+    };
+    if cutoff.is_some() && !matches!(alpha, AlphaMode::Mask(_)) {
         return Err(Complaint::new(at, "a cutoff without alpha = \"mask\"", "both or neither"));
     }
-    Ok(match alpha {
-        Alpha::Opaque => AlphaMode::Opaque,
-        Alpha::Mask => AlphaMode::Mask(entry.cutoff.map_or(0.5, |number| number.0)),
-        Alpha::Blend => AlphaMode::Blend,
-    })
+    Ok(alpha)
 }
 
-impl From<file::Wrap> for Wrap {
-    fn from(wrap: file::Wrap) -> Self {
+impl From<texture::Wrap> for Wrap {
+    fn from(wrap: texture::Wrap) -> Self {
         match wrap {
-            file::Wrap::Repeat => Self::Repeat,
-            file::Wrap::Clamp => Self::Clamp,
-            file::Wrap::Mirror => Self::Mirror,
+            texture::Wrap::Repeat => Self::Repeat,
+            texture::Wrap::Clamp => Self::Clamp,
+            texture::Wrap::Mirror => Self::Mirror,
         }
     }
 }
 
-impl From<file::Filtering> for Filter {
-    fn from(filter: file::Filtering) -> Self {
+impl From<texture::Filtering> for Filter {
+    fn from(filter: texture::Filtering) -> Self {
         match filter {
-            file::Filtering::Nearest => Self::Nearest,
-            file::Filtering::Bilinear => Self::Bilinear,
+            texture::Filtering::Nearest => Self::Nearest,
+            texture::Filtering::Bilinear => Self::Bilinear,
         }
     }
 }
 
-impl From<file::Channel> for Channel {
-    fn from(channel: file::Channel) -> Self {
+impl From<texture::Channel> for Channel {
+    fn from(channel: texture::Channel) -> Self {
         match channel {
-            file::Channel::Rgb => Self::Rgb,
-            file::Channel::Red => Self::Red,
-            file::Channel::Green => Self::Green,
-            file::Channel::Blue => Self::Blue,
-            file::Channel::Alpha => Self::Alpha,
-            file::Channel::Luminance => Self::Luminance,
+            texture::Channel::Rgb => Self::Rgb,
+            texture::Channel::Red => Self::Red,
+            texture::Channel::Green => Self::Green,
+            texture::Channel::Blue => Self::Blue,
+            texture::Channel::Alpha => Self::Alpha,
+            texture::Channel::Luminance => Self::Luminance,
         }
     }
 }

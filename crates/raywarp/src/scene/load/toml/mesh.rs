@@ -35,11 +35,8 @@ impl Reader<'_> {
             let read = "faces or uvs beside a file";
             return Err(Complaint::new(file.span().start, read, "them with vertices alone").into());
         }
-        if file.get_ref().len() > LONGEST_NAME {
-            let read = format!("a file name of {} bytes", file.get_ref().len());
-            return Err(Complaint::new(file.span().start, read, format!("at most {LONGEST_NAME}")).into());
-        }
-        let path = self.base.join(file.get_ref());
+        check_length(file.get_ref(), file.span().start)?;
+        let path = self.folder.join(file.get_ref());
         self.sources.count_use(&path)?;
         let mut read = load::read(&path, self.sources)?;
         for mesh in &mut read.meshes {
@@ -109,6 +106,15 @@ impl Reader<'_> {
         let instances = read.instances.into_iter().map(instance).collect();
         Group { instances, lights: read.lights, cameras: read.cameras }
     }
+}
+
+/// Refuses a file name that is none.
+pub(super) fn check_length(name: &str, at: usize) -> Result<(), Complaint> {
+    if name.len() > LONGEST_NAME {
+        let read = format!("a file name of {} bytes", name.len());
+        return Err(Complaint::new(at, read, format!("at most {LONGEST_NAME}")));
+    }
+    Ok(())
 }
 
 fn count_differs(at: usize, what: &str, count: usize, vertices: usize) -> Complaint {

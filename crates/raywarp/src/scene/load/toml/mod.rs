@@ -2,22 +2,27 @@
 //!
 //! `docs/scene-file.md` describes it. [`file`] is what can be written, the other modules make a [`Scene`] of it.
 
+mod base;
 mod complaint;
+mod edits;
 mod file;
 mod light;
 mod material;
 mod mesh;
 mod place;
+mod render;
 #[cfg(test)]
 mod tests;
+mod texture;
 mod values;
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use self::complaint::Complaint;
 use self::file::{File, Name};
-use super::{LoadError, Place, Sources};
+use super::{LoadError, LoadOptions, Place, Sources};
 use crate::scene::{Camera, Instance, Light, Scene, Transform};
 
 /// The version of the format.
@@ -37,12 +42,24 @@ pub(super) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadErro
 
 fn read_entered(path: &Path, sources: &mut Sources) -> Result<Scene, LoadError> {
     let text = text(path, sources)?;
-    let base = path.parent().unwrap_or(Path::new("")).to_owned();
-    let mut reader = Reader { path, base, text: &text, sources, scene: Scene::default() };
-    let read = parse(&text).and_then(|file| reader.read(&file));
+    read_text(path, &text, sources, None)
+}
+
+/// What a scene file with this text would make of its base.
+///
+/// # Errors
+/// As [`read`], but for the base, which is not read.
+pub(in crate::scene) fn applied(path: &Path, text: &str, base: Scene) -> Result<Scene, LoadError> {
+    read_text(path, text, &mut Sources::new(&LoadOptions::default()), Some(base))
+}
+
+fn read_text(path: &Path, text: &str, sources: &mut Sources, given_base: Option<Scene>) -> Result<Scene, LoadError> {
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    let mut reader = Reader { path, folder, text, sources, scene: Scene::default(), given_base, own_materials: 0..0 };
+    let read = parse(text).and_then(|file| reader.read(&file));
     match read {
         Ok(()) => Ok(reader.scene),
-        Err(Failure::Here(complaint)) => Err(complaint.into_error(path, &text)),
+        Err(Failure::Here(complaint)) => Err(complaint.into_error(path, text)),
         Err(Failure::Elsewhere(error)) => Err(*error),
     }
 }
@@ -99,10 +116,15 @@ impl From<LoadError> for Failure {
 /// A file under way.
 struct Reader<'a> {
     path: &'a Path,
-    base: PathBuf,
+    /// Where names of files start.
+    folder: PathBuf,
     text: &'a str,
     sources: &'a mut Sources,
     scene: Scene,
+    /// A base that stands for the one that the file names.
+    given_base: Option<Scene>,
+    /// Where in the scene the materials of this file are.
+    own_materials: Range<usize>,
 }
 
 /// What an entry of `[[meshes]]` stands for: all that its file places.
@@ -114,9 +136,12 @@ struct Group {
 
 impl Reader<'_> {
     fn read(&mut self, file: &File) -> Result<(), Failure> {
+        self.start_from_base(file)?;
         self.materials(file)?;
         let mut groups = self.groups(file)?;
         self.place(file, &mut groups)?;
+        self.edit_materials(file)?;
+        self.move_instances(file)?;
         for entry in &file.lights {
             self.scene.lights.push(light::light(entry)?);
         }
@@ -125,19 +150,27 @@ impl Reader<'_> {
             self.scene.cameras.insert(index, light::camera(entry, file.up)?);
         }
         self.turn_upright(file);
-        self.scene.background = file.background.as_ref().map(light::background);
-        self.scene.ambient = file.ambient.map(|color| color.0);
+        self.scene.background = file.background.as_ref().map(light::background).or(self.scene.background);
+        self.scene.ambient = file.ambient.map(|color| color.0).or(self.scene.ambient);
+        self.scene.render = file.render.defaults().or(&self.scene.render);
         Ok(())
     }
 
+    /// Reads the materials of this file. Those that edit others wait until all are there.
     fn materials(&mut self, file: &File) -> Result<(), Failure> {
-        for entry in &file.materials {
-            let name = &entry.get_ref().name;
-            if self.scene.materials.iter().any(|material| &material.name == name.get_ref()) {
+        let first = self.scene.materials.len();
+        for entry in file.materials.iter().filter(|entry| entry.get_ref().replaces.is_none()) {
+            let Some(name) = &entry.get_ref().name else {
+                let expected = "name = \"NAME\", or replaces = \"NAME\" to change a material of another file";
+                return Err(Complaint::new(entry.span().start, "a material without a name", expected).into());
+            };
+            if self.scene.materials[first..].iter().any(|material| &material.name == name.get_ref()) {
                 return Err(twice("material", name).into());
             }
-            self.material(entry)?;
+            let material = self.new_material(entry, name.get_ref())?;
+            self.scene.materials.push(material);
         }
+        self.own_materials = first..self.scene.materials.len();
         Ok(())
     }
 
@@ -159,7 +192,7 @@ impl Reader<'_> {
             let at = entry.span().start;
             let instance = entry.get_ref();
             let index = mesh_index(file, &instance.mesh)?;
-            let transform = place::transform(instance, at)?;
+            let transform = place::transform(&instance.into(), at)?;
             let material = instance.material.as_ref().map(|name| self.material_index(name)).transpose()?;
             if let Some(group) = &groups[index] {
                 let first = !std::mem::replace(&mut placed[index], true);
@@ -228,7 +261,9 @@ impl Reader<'_> {
     /// Index of a material by its name: of this file first, then of the files read so far.
     fn material_index(&self, name: &Name) -> Result<u32, Complaint> {
         let materials = &self.scene.materials;
-        match materials.iter().position(|material| &material.name == name.get_ref()) {
+        let own = self.own_materials.clone();
+        let mut order = own.clone().chain(0..own.start).chain(own.end..materials.len());
+        match order.find(|&index| &materials[index].name == name.get_ref()) {
             Some(index) => Ok(index as u32),
             None => {
                 let known: Vec<_> = materials.iter().map(|material| material.name.as_str()).collect();

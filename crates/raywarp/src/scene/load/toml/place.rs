@@ -1,7 +1,10 @@
 //! Where things stand: transforms of instances, and which way is up.
 
+use toml::Spanned;
+
 use super::complaint::Complaint;
-use super::file::{AxisAngle, Instance, Rotation, Up};
+use super::file::{AxisAngle, Instance, Rotation, Up, Vector};
+use super::values::{Finite, PerAxis};
 use crate::scene::{Light, LightKind, Transform};
 
 impl Transform {
@@ -36,11 +39,36 @@ pub fn upright(up: Up) -> Transform {
     }
 }
 
-/// An instance's transform; `at` is where the instance is written.
-pub fn transform(instance: &Instance, at: usize) -> Result<Transform, Complaint> {
-    let Some(rows) = &instance.matrix else { return placed(instance, at) };
+/// Rows of a matrix.
+pub type Rows = Spanned<Vec<[Finite; 4]>>;
+
+/// Where something is put.
+pub struct Placement<'a> {
+    pub translate: Option<Vector>,
+    pub rotate: Option<&'a Rotation>,
+    pub scale: Option<PerAxis<3>>,
+    pub matrix: Option<&'a Rows>,
+}
+
+impl Placement<'_> {
+    /// Whether nothing is said.
+    pub fn is_empty(&self) -> bool {
+        self.translate.is_none() && self.rotate.is_none() && self.scale.is_none() && self.matrix.is_none()
+    }
+}
+
+impl<'a> From<&'a Instance> for Placement<'a> {
+    fn from(entry: &'a Instance) -> Self {
+        let (rotate, matrix) = (entry.rotate.as_ref(), entry.matrix.as_ref());
+        Self { translate: entry.translate, rotate, scale: entry.scale, matrix }
+    }
+}
+
+/// The transform; `at` is where the instance is written.
+pub fn transform(placement: &Placement, at: usize) -> Result<Transform, Complaint> {
+    let Some(rows) = placement.matrix else { return placed(placement, at) };
     let at = rows.span().start;
-    if instance.translate.is_some() || instance.rotate.is_some() || instance.scale.is_some() {
+    if placement.translate.is_some() || placement.rotate.is_some() || placement.scale.is_some() {
         let read = "a matrix beside translate, rotate or scale";
         return Err(Complaint::new(at, read, "either the matrix or the others"));
     }
@@ -60,14 +88,14 @@ pub fn transform(instance: &Instance, at: usize) -> Result<Transform, Complaint>
 }
 
 /// Scaled, then turned, then moved.
-fn placed(instance: &Instance, at: usize) -> Result<Transform, Complaint> {
+fn placed(placement: &Placement, at: usize) -> Result<Transform, Complaint> {
     let mut transform = Transform::IDENTITY;
-    if let Some(scale) = instance.scale {
+    if let Some(scale) = placement.scale {
         for (axis, factor) in scale.0.into_iter().enumerate() {
             transform.columns[axis][axis] = factor;
         }
     }
-    match &instance.rotate {
+    match placement.rotate {
         Some(Rotation::Euler(angles)) => {
             for (axis, angle) in angles.iter().enumerate() {
                 let mut direction = [0.0; 3];
@@ -84,7 +112,7 @@ fn placed(instance: &Instance, at: usize) -> Result<Transform, Complaint> {
         }
         None => {}
     }
-    transform.translation = instance.translate.map_or([0.0; 3], |vector| vector.map(|number| number.0));
+    transform.translation = placement.translate.map_or([0.0; 3], |vector| vector.map(|number| number.0));
     Ok(transform)
 }
 

@@ -14,15 +14,15 @@ use crate::image::srgb_to_linear;
 const LARGEST: f64 = 1e12;
 
 macro_rules! numbers {
-    ($($(#[$doc:meta])* $name:ident, $expected:literal, |$x:ident| $allowed:expr;)*) => {$(
+    ($($(#[$doc:meta])* $name:ident($type:ty), $expected:literal, |$x:ident| $allowed:expr;)*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
-        pub struct $name(pub f32);
+        pub struct $name(pub $type);
 
         impl<'de> Deserialize<'de> for $name {
             fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
                 let allowed: fn(f64) -> bool = |$x| $allowed;
-                deserializer.deserialize_f64(Number { allowed, expected: $expected }).map(Self)
+                deserializer.deserialize_f64(Number { allowed, expected: $expected }).map(|number| Self(number as $type))
             }
         }
     )*};
@@ -30,19 +30,21 @@ macro_rules! numbers {
 
 numbers! {
     /// Any number that can be computed with.
-    Finite, "a number between -1e12 and 1e12", |x| x.abs() <= LARGEST;
+    Finite(f32), "a number between -1e12 and 1e12", |x| x.abs() <= LARGEST;
     /// Zero or more.
-    NonNegative, "a number from 0 to 1e12", |x| (0.0..=LARGEST).contains(&x);
+    NonNegative(f32), "a number from 0 to 1e12", |x| (0.0..=LARGEST).contains(&x);
     /// More than zero.
-    Positive, "a number above 0, at most 1e12", |x| x as f32 > 0.0 && x <= LARGEST;
+    Positive(f32), "a number above 0, at most 1e12", |x| x as f32 > 0.0 && x <= LARGEST;
     /// From 0 to 1.
-    Share, "a number from 0 to 1", |x| (0.0..=1.0).contains(&x);
+    Share(f32), "a number from 0 to 1", |x| (0.0..=1.0).contains(&x);
     /// An index of refraction.
-    Ior, "a number from 0.01 to 100", |x| (0.01..=100.0).contains(&x);
-    /// A full angle of view.
-    FieldOfView, "an angle from 0.001 to 179 degrees", |x| (0.001..=179.0).contains(&x);
-    /// A half angle of a spot.
-    SpotAngle, "an angle from 0 to 90 degrees", |x| (0.0..=90.0).contains(&x);
+    Ior(f32), "a number from 0.01 to 100", |x| (0.01..=100.0).contains(&x);
+    /// Stops of exposure.
+    Stops(f32), "a number from -60 to 60", |x| x.abs() <= 60.0;
+    /// A full angle of view, in degrees. Double precision, so that every angle in radians can be written.
+    FieldOfView(f64), "an angle from 0.001 to 179 degrees", |x| (0.001..=179.0).contains(&x);
+    /// A half angle of a spot, in degrees.
+    SpotAngle(f64), "an angle from 0 to 90 degrees", |x| (0.0..=90.0).contains(&x);
 }
 
 struct Number {
@@ -51,26 +53,26 @@ struct Number {
 }
 
 impl Visitor<'_> for Number {
-    type Value = f32;
+    type Value = f64;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.expected)
     }
 
-    fn visit_f64<E: Error>(self, value: f64) -> Result<f32, E> {
+    fn visit_f64<E: Error>(self, value: f64) -> Result<f64, E> {
         // Comparisons with NaN are false.
         if (self.allowed)(value) {
-            Ok(value as f32)
+            Ok(value)
         } else {
             Err(E::invalid_value(Unexpected::Float(value), &self))
         }
     }
 
-    fn visit_i64<E: Error>(self, value: i64) -> Result<f32, E> {
+    fn visit_i64<E: Error>(self, value: i64) -> Result<f64, E> {
         self.visit_f64(value as f64)
     }
 
-    fn visit_u64<E: Error>(self, value: u64) -> Result<f32, E> {
+    fn visit_u64<E: Error>(self, value: u64) -> Result<f64, E> {
         self.visit_f64(value as f64)
     }
 }
