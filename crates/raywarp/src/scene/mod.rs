@@ -11,6 +11,7 @@ pub mod load;
 mod material;
 mod mesh;
 pub mod normals;
+mod path;
 
 pub use background::Background;
 pub use camera::{Camera, Projection};
@@ -19,6 +20,7 @@ pub use light::{Light, LightKind};
 pub use load::{LoadError, LoadOptions, Loaded, Warning};
 pub use material::{AlphaMode, Channel, Filter, Material, NormalMap, Texture, Wrap};
 pub use mesh::{Instance, Mesh, Transform};
+pub use path::{CameraKey, CameraPath, PathError};
 
 /// Everything that a picture needs. Meshes are placed by instances: a mesh without an instance is not seen.
 #[derive(Clone, Debug, Default)]
@@ -35,6 +37,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Viewpoints. Empty: the renderer frames the bounds.
     pub cameras: Vec<Camera>,
+    /// Flights of a camera.
+    pub paths: Vec<CameraPath>,
     /// What a ray sees that leaves the scene. `None`: the renderer's choice.
     pub background: Option<Background>,
     /// Light that arrives everywhere, multiplied by each material's ambient colour. `None`: the renderer's choice.

@@ -7,6 +7,7 @@ mod file;
 mod light;
 mod material;
 mod mesh;
+mod path;
 mod place;
 #[cfg(test)]
 mod tests;
@@ -18,7 +19,7 @@ use std::path::{Path, PathBuf};
 use self::complaint::Complaint;
 use self::file::{File, Name};
 use super::{LoadError, Place, Sources};
-use crate::scene::{Camera, Instance, Light, Scene, Transform};
+use crate::scene::{Camera, CameraPath, Instance, Light, Scene, Transform};
 
 /// The version of the format.
 const VERSION: i64 = 1;
@@ -110,6 +111,7 @@ struct Group {
     instances: Vec<Instance>,
     lights: Vec<Light>,
     cameras: Vec<Camera>,
+    paths: Vec<CameraPath>,
 }
 
 impl Reader<'_> {
@@ -124,9 +126,22 @@ impl Reader<'_> {
             // The file's own cameras come before those of the files that it names.
             self.scene.cameras.insert(index, light::camera(entry, file.up)?);
         }
+        self.paths(file)?;
         self.turn_upright(file);
         self.scene.background = file.background.as_ref().map(light::background);
         self.scene.ambient = file.ambient.map(|color| color.0);
+        Ok(())
+    }
+
+    /// The file's own paths come before those of the files that it names.
+    fn paths(&mut self, file: &File) -> Result<(), Failure> {
+        for (index, entry) in file.paths.iter().enumerate() {
+            let same = |path: &CameraPath| entry.get_ref().name.as_ref().filter(|name| name.get_ref() == path.name());
+            if let Some(name) = self.scene.paths.iter().take(index).find_map(same) {
+                return Err(twice("path", name).into());
+            }
+            self.scene.paths.insert(index, path::path(entry, file.up)?);
+        }
         Ok(())
     }
 
@@ -195,6 +210,8 @@ impl Reader<'_> {
         self.scene.lights.extend(group.lights.iter().map(|light| place::moved_light(light, transform)));
         if first {
             self.scene.cameras.extend(group.cameras.iter().map(|camera| place::moved_camera(camera, transform)));
+            let moved = |path: &CameraPath| path.moved(|camera| place::moved_camera(camera, transform));
+            self.scene.paths.extend(group.paths.iter().map(moved));
         }
         Ok(())
     }
@@ -222,6 +239,9 @@ impl Reader<'_> {
         }
         for camera in &mut self.scene.cameras {
             *camera = place::moved_camera(camera, &upright);
+        }
+        for path in &mut self.scene.paths {
+            *path = path.moved(|camera| place::moved_camera(camera, &upright));
         }
     }
 
