@@ -157,11 +157,11 @@ fn conclude(
     let place = if files.names.is_empty() { String::new() } else { format!("{}: ", files.names) };
     let kept = match counts.kept {
         0 => String::new(),
-        kept => format!("; {kept} were there and are kept (--overwrite renders them anew)"),
+        kept => format!("; {kept} were there already and are kept, --overwrite renders anew"),
     };
     say::line(&format!(
-        "{place}{} frames of {width}x{height} pixels on {} in {} (rendering {}, kernels {}){kept}",
-        counts.rendered,
+        "{place}{} of {width}x{height} pixels on {} in {} (rendering {}, kernels {}){kept}",
+        say::count(counts.rendered, "frame"),
         statistics.device,
         say::seconds(total),
         say::seconds(seconds.render),

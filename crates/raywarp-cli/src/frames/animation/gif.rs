@@ -1,5 +1,6 @@
 //! GIF: 256 colours a frame, everywhere.
 
+use std::collections::HashMap;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -60,7 +61,7 @@ impl Encoder {
 
 impl super::Encoder for Encoder {
     fn add(&mut self, picture: &Rgb8) -> anyhow::Result<()> {
-        let (palette, buffer) = quantised(picture);
+        let (palette, buffer) = indexed(picture);
         let frame = Frame {
             delay: self.delay(),
             width: picture.width as u16,
@@ -79,16 +80,94 @@ impl super::Encoder for Encoder {
     }
 }
 
+/// Steps of a palette between which ordered dithering mixes, in the units of a channel.
+const SPREAD: i32 = 14;
+
+/// Bayer's matrix: thresholds of 4x4 pixels.
+const THRESHOLDS: [[i32; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
+
 /// The palette, as bytes of red, green and blue, and an index into it for every pixel.
+fn indexed(picture: &Rgb8) -> (Vec<u8>, Vec<u8>) {
+    let mut colors: Vec<[u8; 3]> = Vec::new();
+    let mut places = HashMap::new();
+    let mut indices = Vec::with_capacity(picture.pixels.len());
+    for &pixel in &picture.pixels {
+        let place = *places.entry(pixel).or_insert_with(|| {
+            colors.push(pixel);
+            colors.len() - 1
+        });
+        match u8::try_from(place) {
+            Ok(index) => indices.push(index),
+            Err(_) => return quantised(picture),
+        }
+    }
+    (colors.as_flattened().to_vec(), indices)
+}
+
+/// As [`indexed`] for a picture of more colours than there are: the nearest of the 256 that serve it best.
+///
+/// Dithered by a matrix: from frame to frame it stays where it is, and does not shimmer.
 fn quantised(picture: &Rgb8) -> (Vec<u8>, Vec<u8>) {
     let rgba: Vec<u8> = picture.pixels.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
-    let quantiser = NeuQuant::new(10, 256, &rgba);
-    let mut known = vec![None; 1 << 18];
-    let mut index = |pixel: &[u8; 3]| {
-        let [r, g, b] = pixel.map(|channel| usize::from(channel >> 2));
-        *known[r << 12 | g << 6 | b]
-            .get_or_insert_with(|| quantiser.index_of(&[pixel[0], pixel[1], pixel[2], 255]) as u8)
+    let quantiser = NeuQuant::new(sampling(picture.pixels.len()), 256, &rgba);
+    let mut nearest = vec![None; 1 << 18];
+    let width = picture.width as usize;
+    let index = |(at, pixel): (usize, &[u8; 3])| {
+        let threshold = THRESHOLDS[at / width % 4][at % width % 4];
+        let shift = SPREAD * (2 * threshold - 15) / 32;
+        // Six bits a channel tell colours apart better than the palette does.
+        let [r, g, b] = pixel.map(|channel| (i32::from(channel) + shift).clamp(0, 255) as usize >> 2);
+        let middle = [r, g, b].map(|channel| (channel << 2 | channel >> 4) as u8);
+        *nearest[r << 12 | g << 6 | b]
+            .get_or_insert_with(|| quantiser.index_of(&[middle[0], middle[1], middle[2], 255]) as u8)
     };
-    let indices = picture.pixels.iter().map(&mut index).collect();
+    let indices = picture.pixels.iter().enumerate().map(index).collect();
     (quantiser.color_map_rgb(), indices)
+}
+
+/// Of how many pixels one is looked at for the palette: all of a small picture, a few hundred thousand of a large one.
+fn sampling(pixels: usize) -> i32 {
+    (pixels / 300_000).clamp(1, 30) as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn errors(picture: &Rgb8) -> Vec<i32> {
+        let (palette, indices) = indexed(picture);
+        assert!(palette.len() <= 3 * 256 && palette.len() % 3 == 0);
+        let color = |index: u8| &palette[3 * usize::from(index)..][..3];
+        let error = |(pixel, &index): (&[u8; 3], &u8)| {
+            pixel.iter().zip(color(index)).map(|(a, b)| (i32::from(*a) - i32::from(*b)).abs()).max().unwrap()
+        };
+        picture.pixels.iter().zip(&indices).map(error).collect()
+    }
+
+    #[test]
+    fn few_colours_are_kept_as_they_are() {
+        for count in [1usize, 2, 255, 256] {
+            let pixels = (0..count).map(|i| [i as u8, 255 - i as u8, (7 * i) as u8]).collect();
+            let picture = Rgb8 { width: count as u32, height: 1, pixels };
+            assert!(errors(&picture).iter().all(|&error| error == 0), "{count}");
+        }
+    }
+
+    #[test]
+    fn many_colours_are_replaced_by_near_ones() {
+        let pixel = |i: u32| [(i % 64 * 4) as u8, (i / 64 * 4) as u8, 128];
+        let picture = Rgb8 { width: 64, height: 64, pixels: (0..4096).map(pixel).collect() };
+        let errors = errors(&picture);
+        let mean = f64::from(errors.iter().sum::<i32>()) / errors.len() as f64;
+        assert!(mean < 16.0, "{mean}");
+    }
+
+    #[test]
+    fn delays_add_up() {
+        for fps in [24.0, 30.0, 50.0, 7.3] {
+            let mut encoder = Encoder::new(tempfile::tempfile().unwrap(), [1, 1], fps).unwrap();
+            let sum: u32 = (0..100).map(|_| u32::from(encoder.delay())).sum();
+            assert!((f64::from(sum) - 10_000.0 / fps).abs() <= 0.5, "{fps}: {sum}");
+        }
+    }
 }

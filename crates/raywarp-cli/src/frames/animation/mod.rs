@@ -102,7 +102,8 @@ impl Animation {
         spool.rewind().with_context(failed)?;
         let _held = interrupt.hold();
         write::with(&self.path, bytes, |file| io::copy(&mut spool, &mut interrupt.stop(file)).map(drop))?;
-        Ok(format!("{name}: {} frames, {} a second, {}", self.frames, self.fps, say::bytes(bytes)))
+        let frames = say::count(self.frames, "frame");
+        Ok(format!("{name}: {frames}, {} a second, {}", self.fps, say::bytes(bytes)))
     }
 }
 
