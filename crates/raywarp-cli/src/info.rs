@@ -18,6 +18,7 @@ struct Info {
     materials: Vec<MaterialInfo>,
     images: Vec<ImageInfo>,
     cameras: Vec<String>,
+    paths: Vec<String>,
     lights: Vec<String>,
     /// Bytes of the scene as it was read.
     memory: u64,
@@ -66,6 +67,7 @@ pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
         materials: scene.materials.iter().map(MaterialInfo::from).collect(),
         images: scene.images.iter().map(|i| ImageInfo { name: i.name.clone(), size: [i.width, i.height] }).collect(),
         cameras: scene.cameras.iter().map(|camera| camera.name.clone()).collect(),
+        paths: scene.paths.iter().map(|path| path.name().to_owned()).collect(),
         lights: scene.lights.iter().map(|light| light.name.clone()).collect(),
         memory: memory(scene),
         trees: vec![
@@ -139,6 +141,9 @@ impl Info {
         table.row("bounds", format!("{low}  to  {high}"));
         table.row("lights", named(&self.lights));
         table.row("cameras", named(&self.cameras));
+        if !self.paths.is_empty() {
+            table.row("camera paths", named(&self.paths));
+        }
         table.row("memory", format!("{} as read", say::bytes(self.memory)));
         self.material_rows(&mut table);
         for image in &self.images {

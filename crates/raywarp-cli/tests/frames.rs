@@ -222,9 +222,9 @@ fn frames_that_are_kept_are_in_the_animation() {
     assert_eq!(apng(&place.path("linear.png")), apng(&place.path("whole.png")));
 }
 
-/// An ffmpeg of our own, the only one on the path: it notes its arguments, and does as told with the rest.
+/// An ffmpeg of our own: it notes its arguments, and does as told with its input.
 #[cfg(unix)]
-fn with_ffmpeg(place: &Place, script: &str, arguments: &[&str]) -> common::Run {
+fn put_ffmpeg(place: &Place, script: &str) {
     use std::os::unix::fs::PermissionsExt;
     std::fs::create_dir_all(place.path("bin")).unwrap();
     let ffmpeg = format!(
@@ -233,6 +233,12 @@ fn with_ffmpeg(place: &Place, script: &str, arguments: &[&str]) -> common::Run {
     );
     place.write("bin/ffmpeg", ffmpeg);
     std::fs::set_permissions(place.path("bin/ffmpeg"), std::fs::Permissions::from_mode(0o755)).unwrap();
+}
+
+/// `render` with only that ffmpeg on the path.
+#[cfg(unix)]
+fn with_ffmpeg(place: &Place, script: &str, arguments: &[&str]) -> common::Run {
+    put_ffmpeg(place, script);
     let words = [&["render", "--device", "cpu", "scene.toml", "--size", "16x12"], arguments].concat();
     let output = place.command(&words).env("PATH", place.path("bin")).output().unwrap();
     common::Run(output, words.join(" "))
@@ -273,8 +279,10 @@ fn without_ffmpeg_it_is_said_what_to_do() {
     let place = place();
     let words = ["render", "--frames", "1..9", "--orbit", "--spp", "10000", "--animation", "a.mp4"];
     let output = place.command(&words).env("PATH", place.path("empty")).output().unwrap();
-    common::Run(output, words.join(" "))
-        .fails(2, "cannot write a.mp4: that takes ffmpeg, and there is none on the PATH. Install ffmpeg, or write a .gif");
+    common::Run(output, words.join(" ")).fails(
+        2,
+        "cannot write a.mp4: that takes ffmpeg, and there is none on the PATH. Install ffmpeg, or write a .gif",
+    );
     assert_eq!(place.names(), ["scene.toml"]);
 }
 
@@ -298,21 +306,30 @@ fn a_real_ffmpeg_makes_a_video() {
     }
 }
 
+/// Ends `render` with SIGINT once it has written five frames.
 #[cfg(unix)]
-#[test]
-fn an_interrupt_leaves_whole_frames_only() {
-    let place = Place::new();
-    let words = ["render", "--device", "cpu", "--size", "64x36", "--frames", "1..100000", "--orbit", "-o", "{frame}.png"];
-    let animation = ["--animation", "a.gif"];
-    let mut child = place.command(&[&words as &[&str], &animation].concat()).spawn().unwrap();
+fn interrupted(place: &Place, animation: &str) {
+    let words =
+        ["render", "--device", "cpu", "--size", "64x36", "--frames", "1..100000", "--orbit", "-o", "{frame}.png"];
+    let mut command = place.command(&[&words as &[&str], &["--animation", animation]].concat());
+    let mut child = command.env("PATH", place.path("bin")).spawn().unwrap();
     while place.names().iter().filter(|name| name.ends_with("png")).count() < 5 {
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
     std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(130));
-    for name in place.names() {
-        assert_eq!(png(&place.path(&name)).0, 64, "{name}");
+    for name in place.names().iter().filter(|name| !["arguments", "bin"].contains(&name.as_str())) {
+        assert!(name.ends_with(".png") && png(&place.path(name)).0 == 64, "{name}");
     }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_leaves_whole_frames_only() {
+    interrupted(&Place::new(), "a.gif");
+    let place = Place::new();
+    put_ffmpeg(&place, "cat > \"$target\"");
+    interrupted(&place, "a.mp4");
 }
 
 #[test]

@@ -123,3 +123,94 @@ fn complaint(error: PathError, path: &Path, at: usize) -> Complaint {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{error, load_in, scene, TRIANGLE};
+    use crate::scene::{CameraPath, Projection};
+
+    const KEY: &str = "[[paths.keys]]\ntarget = [0, 0, 0]\n";
+
+    /// A path of three keys: what is said of the path, and of each key.
+    fn text(path: &str, keys: [&str; 3]) -> String {
+        let [a, b, c] = keys;
+        format!(
+            "version = 1\n[[paths]]\nname = \"p\"\n{path}\n{KEY}eye = [1, 0, 0]\n{a}\n{KEY}eye = [2, 0, 0]\n{b}\n\
+             {KEY}eye = [3, 0, 0]\n{c}\n"
+        )
+    }
+
+    fn path(path: &str, keys: [&str; 3]) -> CameraPath {
+        scene(&text(path, keys)).paths.remove(0)
+    }
+
+    fn times(path: &CameraPath) -> Vec<f32> {
+        path.keys().iter().map(|key| key.time).collect()
+    }
+
+    #[test]
+    fn keys_are_a_second_apart_unless_the_file_says_when() {
+        let even = path("", [""; 3]);
+        assert_eq!((even.name(), times(&even), even.is_closed()), ("p", vec![0.0, 1.0, 2.0], false));
+        assert_eq!(times(&path("duration = 4", [""; 3])), [0.0, 2.0, 4.0]);
+        let timed = ["time = 1", "time = 2.5", "time = 9"];
+        assert_eq!(times(&path("", timed)), [1.0, 2.5, 9.0]);
+        let closed = path("closed = true\nduration = 6", [""; 3]);
+        assert_eq!((times(&closed), closed.end()), (vec![0.0, 2.0, 4.0], 6.0));
+        assert_eq!(path("closed = true", [""; 3]).end(), 3.0);
+        assert_eq!(path("closed = true\nduration = 10", timed).end(), 11.0);
+    }
+
+    #[test]
+    fn what_a_key_does_not_say_is_as_before() {
+        let cameras = path("", ["", "fov = 90\nup = [0, 0, 2]", ""]);
+        let fov = |degrees: f32| Projection::Perspective { fov_y: degrees.to_radians() };
+        let seen: Vec<_> = cameras.keys().iter().map(|key| (key.camera.projection, key.camera.up)).collect();
+        assert_eq!(seen, [(fov(45.0), [0.0, 1.0, 0.0]), (fov(90.0), [0.0, 0.0, 2.0]), (fov(90.0), [0.0, 0.0, 2.0])]);
+        let flat = path("", ["height = 3", "", "height = 5"]);
+        assert_eq!(flat.keys()[1].camera.projection, Projection::Orthographic { height: 3.0 });
+    }
+
+    #[test]
+    fn paths_are_turned_upright_and_come_with_the_files_that_have_them() {
+        let upright = scene(&text("", [""; 3]).replace("version = 1", "version = 1\nup = \"+Z\"")).paths.remove(0);
+        assert_eq!(upright.keys()[0].camera.up, [0.0, 1.0, 0.0]);
+        let directory = tempfile::tempdir().unwrap();
+        std::fs::write(directory.path().join("inner.toml"), format!("{}{TRIANGLE}", text("", [""; 3]))).unwrap();
+        let place = "mesh = \"m\"\ntranslate = [0, 5, 0]";
+        let outer = format!(
+            "{}[[meshes]]\nname = \"m\"\nfile = \"inner.toml\"\n[[instances]]\n{place}\n[[instances]]\n{place}\n",
+            text("", [""; 3]).replace("\"p\"", "\"own\"")
+        );
+        let paths = load_in(directory.path(), &outer).unwrap().scene.paths;
+        assert_eq!(paths.iter().map(CameraPath::name).collect::<Vec<_>>(), ["own", "p"]);
+        assert_eq!(paths[1].at(0.0).eye, [1.0, 5.0, 0.0]);
+        let without = outer.replace("file = ", "cameras = false\nfile = ");
+        assert_eq!(load_in(directory.path(), &without).unwrap().scene.paths.len(), 1);
+    }
+
+    #[test]
+    fn errors_say_where_what_and_what_instead() {
+        let cases = [
+            (text("", ["time = 1", "", ""]), "scene.toml:9:1: a key without time beside keys with one; expected time"),
+            (text("", ["time = 1", "time = 1", "time = 2"]), "scene.toml:9:1: a key that is not later"),
+            (text("duration = 3", ["time = 0", "time = 1", "time = 2"]), "scene.toml:4:12: duration beside the times"),
+            (text("closed = true", ["time = 0", "time = 1", "time = 2"]), "scene.toml:2:1: a closed path with times"),
+            (text("closed = true\nduration = 2", ["time = 0", "time = 1", "time = 2"]), "ends before the last key"),
+            (text("duration = 0", [""; 3]), "expected a number above 0"),
+            (text("", ["", "height = 1", ""]), "another kind of projection"),
+            (text("", ["", "height = 1\nfov = 9", ""]), "a camera with fov and height"),
+            (text("", ["", "up = [0, 0, 0]", ""]), "whose up is zero"),
+            (text("", ["", "tme = 1", ""]), "Did you mean 'time'?"),
+            (text("", [""; 3]).replace("eye = [2, 0, 0]", "eye = [0, 0, 0]"), "looks at its own place"),
+            (text("", [""; 3]).replace("eye = [2, 0, 0]", ""), "missing field `eye`"),
+            ("version = 1\n[[paths]]\n".to_owned(), "scene.toml:2:1: a camera path of 0 keys; expected at least 2"),
+            (format!("version = 1\n[[paths]]\n{KEY}eye = [1,0,0]\n"), "a camera path of 1 keys"),
+            (format!("{}[[paths]]\nname = \"p\"\n", text("", [""; 3])), "a second path 'p'"),
+        ];
+        for (text, expected) in cases {
+            let error = error(&text);
+            assert!(error.contains(expected), "{text}: {error}");
+        }
+    }
+}
