@@ -88,7 +88,7 @@ fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: 
     }
     say::warnings(&loaded.warnings);
     say::dropped(&tracer.report().dropped);
-    let aimed = options.eye.is_some() && options.target.is_some();
+    let aimed = options.eye.is_some() && options.target.is_some() || options.frames.path.is_some();
     for note in tracer.report().notes.iter().filter(|note| !(aimed && note.contains("framed"))) {
         say::line(&format!("note: {note}"));
     }
