@@ -20,6 +20,7 @@ struct Info {
     materials: Vec<MaterialInfo>,
     images: Vec<ImageInfo>,
     cameras: Vec<String>,
+    paths: Vec<String>,
     lights: Vec<String>,
     /// Defaults for rendering that the scene file gives, in words.
     render: String,
@@ -71,6 +72,7 @@ pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
         materials: scene.materials.iter().map(MaterialInfo::from).collect(),
         images: scene.images.iter().map(|i| ImageInfo { name: i.name.clone(), size: [i.width, i.height] }).collect(),
         cameras: scene.cameras.iter().map(|camera| camera.name.clone()).collect(),
+        paths: scene.paths.iter().map(|path| path.name().to_owned()).collect(),
         lights: scene.lights.iter().map(|light| light.name.clone()).collect(),
         render: scene.render.to_string(),
         memory: memory(scene),
@@ -146,6 +148,9 @@ impl Info {
         table.row("bounds", format!("{low}  to  {high}"));
         table.row("lights", named(&self.lights));
         table.row("cameras", named(&self.cameras));
+        if !self.paths.is_empty() {
+            table.row("camera paths", named(&self.paths));
+        }
         if !self.render.is_empty() {
             table.row("render", &self.render);
         }

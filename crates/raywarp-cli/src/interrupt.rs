@@ -1,6 +1,7 @@
 //! Ctrl-C between two files, never within one.
 
 use std::io::{self, Seek, SeekFrom, Write};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -23,6 +24,7 @@ pub fn once(end: impl Fn() + Send + 'static) {
 pub struct Interrupt {
     writing: Arc<Mutex<()>>,
     asked: Arc<AtomicBool>,
+    unfinished: Arc<Mutex<Vec<PathBuf>>>,
 }
 
 impl Interrupt {
@@ -30,14 +32,21 @@ impl Interrupt {
     pub fn install() -> Self {
         let writing = Arc::new(Mutex::new(()));
         let asked = Arc::new(AtomicBool::new(false));
-        let (waiting, told) = (Arc::clone(&writing), Arc::clone(&asked));
+        let unfinished = Arc::new(Mutex::new(Vec::new()));
+        let (waiting, told, left) = (Arc::clone(&writing), Arc::clone(&asked), Arc::clone(&unfinished));
         // Where no handler can be set, the system's own still ends the program.
         let _ = ctrlc::set_handler(move || {
             told.store(true, Ordering::Relaxed);
             let _written = waiting.lock();
+            remove(&left);
             std::process::exit(INTERRUPTED);
         });
-        Self { writing, asked }
+        Self { writing, asked, unfinished }
+    }
+
+    /// A file that goes if the program is ended: another program is writing it.
+    pub fn unfinished(&self, path: PathBuf) {
+        self.unfinished.lock().unwrap_or_else(PoisonError::into_inner).push(path);
     }
 
     /// Holds interruptions off while it lives.
@@ -48,6 +57,13 @@ impl Interrupt {
     /// An output that fails once an end is asked for: what takes long to write need not be waited for.
     pub fn stop<'a, W>(&'a self, output: &'a mut W) -> Stopping<'a, W> {
         Stopping { output, asked: &self.asked }
+    }
+}
+
+fn remove(files: &Mutex<Vec<PathBuf>>) {
+    for path in files.lock().unwrap_or_else(PoisonError::into_inner).iter() {
+        // One that is gone or cannot go: nothing better can be done.
+        let _ = std::fs::remove_file(path);
     }
 }
 

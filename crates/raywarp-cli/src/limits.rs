@@ -8,16 +8,18 @@ use crate::output::Plan;
 use crate::say;
 
 /// Refuses a picture of a size, or the part of it that the options ask for, that is not there or cannot be held.
-pub fn check(size: [u32; 2], options: &RenderOptions, plan: &Plan) -> anyhow::Result<()> {
+/// Columns and rows that are rendered.
+pub fn check(size: [u32; 2], options: &RenderOptions, plan: &Plan) -> anyhow::Result<[u32; 2]> {
     let region = region(size, options.crop)?;
-    check_memory(region, plan, plan.needs_tests() || options.stats.is_some())
+    check_memory(region, plan, plan.needs_tests() || options.stats.is_some())?;
+    Ok(region)
 }
 
 /// Columns and rows that are rendered.
 ///
 /// # Errors
 /// Where the crop leaves the picture.
-pub fn region(size: [u32; 2], crop: Option<[u32; 4]>) -> anyhow::Result<[u32; 2]> {
+fn region(size: [u32; 2], crop: Option<[u32; 4]>) -> anyhow::Result<[u32; 2]> {
     let [width, height] = size;
     let Some([x0, y0, x1, y1]) = crop else { return Ok(size) };
     anyhow::ensure!(
@@ -29,7 +31,7 @@ pub fn region(size: [u32; 2], crop: Option<[u32; 4]>) -> anyhow::Result<[u32; 2]
 }
 
 /// Refuses a picture that cannot be held in memory, with the numbers.
-pub fn check_memory([width, height]: [u32; 2], plan: &Plan, counted: bool) -> anyhow::Result<()> {
+fn check_memory([width, height]: [u32; 2], plan: &Plan, counted: bool) -> anyhow::Result<()> {
     let pixels = u64::from(width) * u64::from(height);
     let needed = pixels.saturating_mul(bytes_a_pixel(plan, counted));
     let host = Device::open(DeviceChoice::Cpu)?;

@@ -4,6 +4,7 @@ mod bench;
 mod completions;
 mod doctor;
 mod failure;
+mod frames;
 mod info;
 mod interrupt;
 mod limits;

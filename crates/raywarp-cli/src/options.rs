@@ -11,6 +11,7 @@ use raywarp::render::{MAX_DEPTH, MAX_SPP};
 use raywarp::scene::{RenderDefaults, Scene};
 
 pub use crate::bench::BenchOptions;
+pub use crate::frames::FrameOptions;
 use crate::values;
 
 /// Ray tracing on any CUDA GPU with nothing but its driver, or on the CPU
@@ -49,6 +50,8 @@ Examples:
   raywarp render --accel kd --heatmap cost.png --stats
   raywarp render scene.obj -o a.exr --aov depth,normal,primitive
   raywarp render scene.ply -o - | display
+  raywarp render model.glb --frames 1..240 --orbit -o out/frame-####.png
+  raywarp render scene.toml --frames 1..96 --path tour --animation tour.mp4
 
 The same scene, options and seed give the same picture on any number of threads.";
 
@@ -116,8 +119,8 @@ pub struct RenderOptions {
     /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
     pub scene: Option<PathBuf>,
 
-    /// Picture file, .png (sRGB) or .exr (linear), or - for PNG to standard output; may be repeated
-    #[arg(short, long, value_name = "FILE", default_value = "raywarp.png", help_heading = "Output")]
+    /// Picture file, .png (sRGB) or .exr (linear), or - for PNG to standard output; may be repeated; none: raywarp.png
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub output: Vec<PathBuf>,
     /// Brighten by EV stops, in PNG only: EXR holds the radiance itself [default: the scene file's, else 0]
     #[arg(long, value_name = "EV", allow_hyphen_values = true, value_parser = values::exposure)]
@@ -183,6 +186,9 @@ pub struct RenderOptions {
     /// Parallel rays, for a picture of this height in scene units
     #[arg(long, value_name = "HEIGHT", value_parser = values::height, conflicts_with = "fov", help_heading = "Camera")]
     pub ortho: Option<f32>,
+
+    #[command(flatten)]
+    pub frames: FrameOptions,
 
     #[command(flatten)]
     pub machine: MachineOptions,

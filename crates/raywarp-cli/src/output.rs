@@ -1,5 +1,6 @@
 //! Which files are written, and writing them.
 
+use std::cell::OnceCell;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -10,7 +11,10 @@ use crate::interrupt::Interrupt;
 use crate::options::{RenderOptions, StatsForm};
 use crate::say;
 
-/// Every file that a run writes.
+/// The picture of a run that names none.
+const USUAL: &str = "raywarp.png";
+
+/// Every file that a picture becomes.
 #[derive(Debug)]
 pub struct Plan {
     pictures: Vec<(PathBuf, Format)>,
@@ -21,14 +25,24 @@ pub struct Plan {
 
 /// What the files are made of.
 pub struct Results<'a> {
-    /// The picture.
-    pub picture: &'a Picture,
-    /// The layers, if any are asked for; with tests for a heat map.
-    pub layers: &'a Layers,
-    /// How PNG shows radiance.
-    pub development: Development,
-    /// Top of the heat map's scale.
-    pub heatmap_max: Option<u64>,
+    picture: &'a Picture,
+    layers: &'a Layers,
+    development: Development,
+    heatmap_max: Option<u64>,
+    shown: OnceCell<Rgb8>,
+}
+
+impl<'a> Results<'a> {
+    /// The picture; the layers, if any are asked for, with tests for a heat map; how PNG shows radiance; and the top of
+    /// the heat map's scale.
+    pub fn new(picture: &'a Picture, layers: &'a Layers, development: Development, heatmap_max: Option<u64>) -> Self {
+        Self { picture, layers, development, heatmap_max, shown: OnceCell::new() }
+    }
+
+    /// The picture as a PNG shows it.
+    pub fn shown(&self) -> &Rgb8 {
+        self.shown.get_or_init(|| png::develop(self.picture, &self.development))
+    }
 }
 
 impl Plan {
@@ -37,19 +51,29 @@ impl Plan {
     /// # Errors
     /// Where they contradict each other or one cannot be written.
     pub fn new(options: &RenderOptions) -> anyhow::Result<Self> {
-        let mut layers = options.aov.clone();
+        let usual = [PathBuf::from(USUAL)];
+        let outputs = if options.output.is_empty() { &usual } else { options.output.as_slice() };
+        let plan = Self::of(outputs, options.heatmap.clone(), &options.aov)?;
+        plan.check(options)?;
+        Ok(plan)
+    }
+
+    /// These pictures, a heat map, and layers within or beside the pictures.
+    ///
+    /// # Errors
+    /// Where they contradict each other.
+    pub fn of(outputs: &[PathBuf], heatmap: Option<PathBuf>, layers: &[Layer]) -> anyhow::Result<Self> {
+        let mut layers = layers.to_owned();
         layers.sort();
         layers.dedup();
-        let mut plan =
-            Self { pictures: Vec::new(), layers, layer_pictures: Vec::new(), heatmap: options.heatmap.clone() };
-        for path in &options.output {
+        let mut plan = Self { pictures: Vec::new(), layers, layer_pictures: Vec::new(), heatmap };
+        for path in outputs {
             plan.add(path)?;
         }
         if let Some(path) = &plan.heatmap {
             let is_png = Format::of(path)? == Format::Png;
             anyhow::ensure!(is_png, "the heat map {} is a PNG: end its name in .png", path.display());
         }
-        plan.check(options)?;
         Ok(plan)
     }
 
@@ -73,12 +97,18 @@ impl Plan {
             anyhow::ensure!(seen.insert(path), "two outputs have the same name, {}: give each its own", path.display());
             write::check(path)?;
         }
-        let taken = seen.contains(Path::new("-")) && options.stats == Some(StatsForm::Json);
+        self.check_standard_output(options)
+    }
+
+    /// Refuses statistics within a picture.
+    pub fn check_standard_output(&self, options: &RenderOptions) -> anyhow::Result<()> {
+        let taken = self.paths().any(write::is_dash) && options.stats == Some(StatsForm::Json);
         anyhow::ensure!(!taken, "--stats=json and a picture cannot both go to standard output: give -o a file");
         Ok(())
     }
 
-    fn paths(&self) -> impl Iterator<Item = &Path> {
+    /// Every file.
+    pub fn paths(&self) -> impl Iterator<Item = &Path> {
         let pictures = self.pictures.iter().map(|picture| picture.0.as_path());
         let layers = self.layer_pictures.iter().map(|picture| picture.0.as_path());
         pictures.chain(layers).chain(self.heatmap.as_deref())
@@ -87,6 +117,16 @@ impl Plan {
     /// The picture files.
     pub fn pictures(&self) -> &[(PathBuf, Format)] {
         &self.pictures
+    }
+
+    /// The layers' own pictures.
+    pub fn layer_pictures(&self) -> impl Iterator<Item = &Path> {
+        self.layer_pictures.iter().map(|picture| picture.0.as_path())
+    }
+
+    /// The heat map, if one is asked for.
+    pub fn heatmap(&self) -> Option<&Path> {
+        self.heatmap.as_deref()
     }
 
     /// The layers that are asked for, each once.
@@ -113,7 +153,7 @@ impl Plan {
     pub fn write(&self, results: &Results, interrupt: &Interrupt, quiet: bool) -> anyhow::Result<()> {
         for (path, format) in &self.pictures {
             let bytes = match format {
-                Format::Png => png::encode(&png::develop(results.picture, &results.development))?,
+                Format::Png => png::encode(results.shown())?,
                 Format::Exr => exr::encode(results.picture, Some(results.layers), &self.layers)?,
             };
             put(path, &bytes, interrupt)?;

@@ -7,20 +7,24 @@ use anyhow::Context;
 use raywarp::accel::{Build, Dropped};
 use raywarp::backend::Device;
 use raywarp::image::Layers;
-use raywarp::render::{self, Rendering, Tracer};
+use raywarp::render::{self, Progress, Rendering, Tracer};
 use raywarp::scene::{load, Camera, LoadOptions, Loaded, RenderDefaults};
 
+use crate::frames;
 use crate::interrupt::Interrupt;
 use crate::limits;
 use crate::options::{RenderOptions, StatsForm};
 use crate::output::{Plan, Results};
 use crate::progress::{Bar, Words};
-use crate::report::{SceneCounts, Seconds, Statistics, TestCounts};
+use crate::report::{SceneCounts, Seconds, Statistics};
 use crate::say;
 use crate::viewpoint;
 
 /// Renders a scene to files.
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
+    if let Some(range) = options.frames.range {
+        return frames::run(options, range);
+    }
     let interrupt = Interrupt::install();
     let plan = plan(options, &interrupt)?;
     if let Some(size) = options.size {
@@ -33,27 +37,18 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let loaded = read(options.scene.as_deref(), options.strict)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let wishes = options.wishes().or(&loaded.scene.render);
-    limits::check(wishes.options().size, options, &plan)?;
-    let chosen = options.camera.as_deref().map(|name| viewpoint::named(&loaded.scene.cameras, name)).transpose()?;
-    let device = Device::open(options.machine.device)?;
-    let what = options.machine.build(&loaded.scene, &device);
-    let tracer = Tracer::new(&loaded.scene, what, &device)?;
-    refuse_dropped(options.strict, &tracer.report().dropped)?;
-    say_notes(options, &loaded, &device, &tracer);
-    let camera = viewpoint::adjusted(chosen.unwrap_or(tracer.default_camera()).clone(), &options.into());
+    let region = limits::check(wishes.options().size, options, &plan)?;
+    let stage = Stage::set(options, wishes, &loaded)?;
 
-    let shot = Shot { options, wishes, what, plan: &plan, tracer: &tracer, camera: &camera };
-    let taken = shot.take()?;
+    let shot = Shot { stage: &stage, plan: &plan, camera: &stage.camera };
+    let mut bar = Bar::new(options.quiet, Words::Render);
+    let taken = shot.take(&mut |progress| bar.update(progress.done, Some(progress.total)))?;
+    drop(bar);
     let saving = Instant::now();
-    let results = Results {
-        picture: &taken.rendering.picture,
-        layers: &shot.layers(&taken)?,
-        development: wishes.development(),
-        heatmap_max: options.heatmap_max,
-    };
-    plan.write(&results, &interrupt, options.quiet)?;
+    plan.write(&shot.results(&taken, &shot.layers(&taken)?), &interrupt, options.quiet)?;
 
-    let mut statistics = statistics(&shot, &device, &loaded, &taken);
+    let mut statistics = stage.statistics(region);
+    statistics.add(&taken);
     statistics.seconds.load = load_seconds;
     statistics.seconds.save = saving.elapsed().as_secs_f64();
     conclude(options, &plan, &statistics, start.elapsed().as_secs_f64())
@@ -63,31 +58,6 @@ fn plan(options: &RenderOptions, interrupt: &Interrupt) -> anyhow::Result<Plan> 
     // Trying whether files can be written makes some for a moment.
     let _held = interrupt.hold();
     Plan::new(options)
-}
-
-/// All that the tracer tells of a picture.
-fn statistics(shot: &Shot, device: &Device, loaded: &Loaded, taken: &Taken) -> Statistics {
-    let (report, rendering) = (shot.tracer.report(), &taken.rendering);
-    Statistics {
-        device: device.description(),
-        accel: shot.what.kind.to_string(),
-        size: [rendering.picture.width, rendering.picture.height],
-        spp: shot.wishes.options().spp,
-        scene: SceneCounts::new(&loaded.scene, report),
-        tree: (&report.tree).into(),
-        device_bytes: report.device_bytes,
-        seconds: Seconds {
-            flatten: report.flatten_seconds,
-            build: report.build_seconds,
-            upload: report.upload_seconds,
-            kernel: rendering.kernel_seconds,
-            render: taken.seconds,
-            ..Seconds::default()
-        },
-        launches: rendering.launches,
-        non_finite: rendering.non_finite,
-        tests: TestCounts::new(taken.counted(), rendering.kernel_seconds),
-    }
 }
 
 /// The scene of a file, or the built-in one.
@@ -122,74 +92,148 @@ fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: 
     }
     say::warnings(&loaded.warnings);
     say::dropped(&tracer.report().dropped);
-    let aimed = options.eye.is_some() && options.target.is_some();
+    let aimed = options.eye.is_some() && options.target.is_some() || options.frames.path.is_some();
     for note in tracer.report().notes.iter().filter(|note| !(aimed && note.contains("framed"))) {
         say::line(&format!("note: {note}"));
     }
     say::fallback(device);
 }
 
-/// One picture to be taken.
-struct Shot<'a> {
-    what: Build,
-    options: &'a RenderOptions,
-    /// Those of the options and of the scene.
+/// A scene on a device, with a camera.
+pub struct Stage<'a> {
+    /// All options.
+    pub options: &'a RenderOptions,
+    /// The camera that they ask for.
+    pub camera: Camera,
+    /// The scene, ready.
+    pub tracer: Tracer,
+    /// What the options and the scene ask for.
     wishes: RenderDefaults,
-    plan: &'a Plan,
-    tracer: &'a Tracer,
-    camera: &'a Camera,
+    loaded: &'a Loaded,
+    device: Device,
+    what: Build,
+}
+
+impl<'a> Stage<'a> {
+    /// Builds the tree and says what there is to say about the scene.
+    pub fn set(options: &'a RenderOptions, wishes: RenderDefaults, loaded: &'a Loaded) -> anyhow::Result<Self> {
+        let chosen = options.camera.as_deref().map(|name| viewpoint::named(&loaded.scene.cameras, name)).transpose()?;
+        let device = Device::open(options.machine.device)?;
+        let what = options.machine.build(&loaded.scene, &device);
+        let tracer = Tracer::new(&loaded.scene, what, &device)?;
+        refuse_dropped(options.strict, &tracer.report().dropped)?;
+        say_notes(options, loaded, &device, &tracer);
+        let camera = viewpoint::adjusted(chosen.unwrap_or(tracer.default_camera()).clone(), &options.into());
+        Ok(Self { options, camera, tracer, wishes, loaded, device, what })
+    }
+
+    /// Whether the camera's target is a point that somebody chose: a camera of glTF has a direction alone.
+    pub fn has_target(&self) -> bool {
+        let extension = self.options.scene.as_deref().and_then(Path::extension).unwrap_or_default();
+        let is_gltf = ["gltf", "glb"].iter().any(|gltf| extension.eq_ignore_ascii_case(gltf));
+        self.options.target.is_some() || self.loaded.scene.cameras.is_empty() || !is_gltf
+    }
+
+    /// What is known before any picture of a size is taken.
+    pub fn statistics(&self, size: [u32; 2]) -> Statistics {
+        let report = self.tracer.report();
+        Statistics {
+            device: self.device.description(),
+            accel: self.what.kind.to_string(),
+            size,
+            spp: self.wishes.options().spp,
+            frames: None,
+            scene: SceneCounts::new(&self.loaded.scene, report),
+            tree: (&report.tree).into(),
+            device_bytes: report.device_bytes,
+            seconds: Seconds {
+                flatten: report.flatten_seconds,
+                build: report.build_seconds,
+                upload: report.upload_seconds,
+                ..Seconds::default()
+            },
+            launches: 0,
+            non_finite: 0,
+            tests: None,
+        }
+    }
+}
+
+/// One picture to be taken.
+pub struct Shot<'a> {
+    /// Of what.
+    pub stage: &'a Stage<'a>,
+    /// For which files.
+    pub plan: &'a Plan,
+    /// From where.
+    pub camera: &'a Camera,
 }
 
 /// A picture taken.
-struct Taken {
-    rendering: Rendering,
-    seconds: f64,
+pub struct Taken {
+    /// It.
+    pub rendering: Rendering,
+    /// How long it took.
+    pub seconds: f64,
     /// The same again with tests counted, where the first was to be timed without.
     counted: Option<Rendering>,
 }
 
 impl Taken {
-    fn counted(&self) -> &Rendering {
+    /// The rendering with tests, where they were asked for.
+    pub fn counted(&self) -> &Rendering {
         self.counted.as_ref().unwrap_or(&self.rendering)
     }
 }
 
 impl Shot<'_> {
-    fn take(&self) -> anyhow::Result<Taken> {
+    /// Takes it; where statistics are asked for, twice.
+    pub fn take(&self, progress: &mut dyn FnMut(Progress)) -> anyhow::Result<Taken> {
         // Counting costs time: where times are asked for, it gets a run of its own.
-        let timed = self.options.stats.is_some();
+        let timed = self.stage.options.stats.is_some();
         let start = Instant::now();
-        let rendering = self.render(self.plan.needs_tests() && !timed)?;
+        let rendering = self.render(self.plan.needs_tests() && !timed, progress)?;
         let seconds = start.elapsed().as_secs_f64();
-        let counted = timed.then(|| self.render(true)).transpose()?;
+        let counted = timed.then(|| self.render(true, progress)).transpose()?;
         Ok(Taken { rendering, seconds, counted })
     }
 
-    fn render(&self, count_tests: bool) -> anyhow::Result<Rendering> {
-        let mut bar = Bar::new(self.options.quiet, Words::Render);
-        Ok(self
-            .tracer
-            .render(self.camera, &self.library_options(count_tests), &mut |p| bar.update(p.done, Some(p.total)))?)
+    fn render(&self, count_tests: bool, progress: &mut dyn FnMut(Progress)) -> anyhow::Result<Rendering> {
+        Ok(self.stage.tracer.render(self.camera, &self.library_options(count_tests), progress)?)
     }
 
-    fn layers(&self, taken: &Taken) -> anyhow::Result<Layers> {
+    /// The layers that the files want.
+    pub fn layers(&self, taken: &Taken) -> anyhow::Result<Layers> {
         let (width, height) = (taken.rendering.picture.width, taken.rendering.picture.height);
         let asked = !self.plan.layers().is_empty();
-        let surfels = if asked { self.tracer.layers(self.camera, &self.library_options(false))? } else { Vec::new() };
+        let options = self.library_options(false);
+        let surfels = if asked { self.stage.tracer.layers(self.camera, &options)? } else { Vec::new() };
         Ok(Layers { width, height, surfels, tests: taken.counted().tests.clone() })
     }
 
+    /// What the files are made of.
+    pub fn results<'a>(&self, taken: &'a Taken, layers: &'a Layers) -> Results<'a> {
+        let (options, development) = (self.stage.options, self.stage.wishes.development());
+        Results::new(&taken.rendering.picture, layers, development, options.heatmap_max)
+    }
+
     fn library_options(&self, count_tests: bool) -> render::RenderOptions {
-        render::RenderOptions { crop: self.options.crop, count_tests, ..self.wishes.options() }
+        render::RenderOptions { crop: self.stage.options.crop, count_tests, ..self.stage.wishes.options() }
     }
 }
 
-fn conclude(options: &RenderOptions, plan: &Plan, statistics: &Statistics, total: f64) -> anyhow::Result<()> {
+/// The statistics, where they are asked for.
+pub fn say_statistics(options: &RenderOptions, statistics: &Statistics) -> anyhow::Result<()> {
     match options.stats {
         Some(StatsForm::Json) => say::out(format!("{}\n", serde_json::to_string_pretty(statistics)?).as_bytes())?,
         Some(StatsForm::Table) => say::line(statistics.table().trim_end()),
         None => {}
     }
+    Ok(())
+}
+
+fn conclude(options: &RenderOptions, plan: &Plan, statistics: &Statistics, total: f64) -> anyhow::Result<()> {
+    say_statistics(options, statistics)?;
     if !options.quiet {
         let ([width, height], seconds) = (statistics.size, &statistics.seconds);
         say::line(&format!(

@@ -7,6 +7,7 @@ use raywarp::render::{Rendering, Report};
 use raywarp::scene::Scene;
 use serde::Serialize;
 
+use crate::render::Taken;
 use crate::say;
 
 /// Numbers of a run. All times are in seconds.
@@ -20,6 +21,9 @@ pub struct Statistics {
     pub size: [u32; 2],
     /// Samples a pixel.
     pub spp: u32,
+    /// Frames, where there are several pictures; the numbers are then sums over those that were rendered.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frames: Option<FrameCounts>,
     /// Counts of the scene.
     pub scene: SceneCounts,
     /// Shape of the tree.
@@ -34,6 +38,15 @@ pub struct Statistics {
     pub non_finite: u64,
     /// What was counted, in a second run without influence on the times.
     pub tests: Option<TestCounts>,
+}
+
+/// Frames of a run.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct FrameCounts {
+    /// Frames that were rendered.
+    pub rendered: u32,
+    /// Frames that were there already.
+    pub kept: u32,
 }
 
 /// What a scene has.
@@ -166,14 +179,44 @@ impl TestCounts {
             most_of_a_pixel: most,
         })
     }
+
+    /// Counts of two pictures whose kernels took so long together.
+    fn and(&self, other: &Self, kernel_seconds: f64) -> Self {
+        let rays = self.rays + other.rays;
+        let per_ray = |a: f64, b: f64| (a * self.rays as f64 + b * other.rays as f64) / rays.max(1) as f64;
+        Self {
+            rays,
+            mrays_per_second: if kernel_seconds > 0.0 { 1e-6 * rays as f64 / kernel_seconds } else { 0.0 },
+            nodes_per_ray: per_ray(self.nodes_per_ray, other.nodes_per_ray),
+            triangles_per_ray: per_ray(self.triangles_per_ray, other.triangles_per_ray),
+            most_of_a_pixel: self.most_of_a_pixel.max(other.most_of_a_pixel),
+        }
+    }
 }
 
 impl Statistics {
+    /// Adds what a picture cost.
+    pub fn add(&mut self, taken: &Taken) {
+        let rendering = &taken.rendering;
+        self.launches += rendering.launches;
+        self.non_finite += rendering.non_finite;
+        self.seconds.kernel += rendering.kernel_seconds;
+        self.seconds.render += taken.seconds;
+        let tests = TestCounts::new(taken.counted(), rendering.kernel_seconds);
+        self.tests = match (self.tests.take(), tests) {
+            (Some(sum), Some(tests)) => Some(sum.and(&tests, self.seconds.kernel)),
+            (sum, tests) => sum.or(tests),
+        };
+    }
+
     /// Lines for people.
     pub fn table(&self) -> String {
         let mut table = Table::default();
         table.row("device", &self.device);
         table.row("picture", format!("{}x{}, {} samples a pixel", self.size[0], self.size[1], self.spp));
+        if let Some(FrameCounts { rendered, kept }) = self.frames {
+            table.row("frames", format!("{rendered} rendered, {kept} kept"));
+        }
         self.scene_rows(&mut table);
         table.row("tree", format!("{}: {}", self.accel, self.tree.sentence()));
         table.row("on the device", say::bytes(self.device_bytes));

@@ -50,6 +50,11 @@ pub fn out(bytes: &[u8]) -> io::Result<()> {
     output.flush()
 }
 
+/// So many of something, one of which is a `thing`.
+pub fn count(number: u32, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
+}
+
 /// Bytes for people.
 pub fn bytes(bytes: u64) -> String {
     const UNITS: [&str; 4] = ["KiB", "MiB", "GiB", "TiB"];

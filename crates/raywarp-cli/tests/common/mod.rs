@@ -49,7 +49,7 @@ impl Place {
 }
 
 /// What came of it.
-pub struct Run(pub Output, String);
+pub struct Run(pub Output, pub String);
 
 impl Run {
     pub fn code(&self) -> i32 {

@@ -23,6 +23,14 @@ pub enum ImageError {
         /// The encoder's reason.
         reason: String,
     },
+    /// A picture file cannot be used.
+    #[error("cannot read {}: {reason}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
     /// A layer was asked for that was not rendered.
     #[error("the layer '{0}' was not rendered")]
     NoLayer(Layer),

@@ -12,6 +12,7 @@ mod format;
 pub mod heatmap;
 mod layer;
 pub mod png;
+mod probe;
 
 use raywarp_kernels::kernels::Surfel;
 use raywarp_kernels::traverse::Tests;
@@ -21,6 +22,7 @@ pub use color::{srgb_to_linear, Development, ToneMap};
 pub use error::ImageError;
 pub use format::Format;
 pub use layer::Layer;
+pub use probe::probe;
 
 /// A rendered picture.
 #[derive(Clone, Debug, Default, PartialEq)]

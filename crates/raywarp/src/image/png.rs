@@ -1,7 +1,9 @@
 //! Pictures as PNG: eight bits a channel, sRGB.
 
+use std::path::Path;
+
 use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use ::image::{ExtendedColorType, ImageEncoder};
+use ::image::{ExtendedColorType, ImageEncoder, ImageFormat, ImageReader};
 use rayon::prelude::*;
 use raywarp_kernels::math::Vec3;
 
@@ -29,4 +31,17 @@ pub fn encode(picture: &Rgb8) -> Result<Vec<u8>, ImageError> {
         .write_image(bytemuck::cast_slice(&picture.pixels), width, height, ExtendedColorType::Rgb8)
         .map_err(|error| failed(error.to_string()))?;
     Ok(bytes)
+}
+
+/// The pixels of a PNG file, as eight bits a channel whatever it holds.
+///
+/// # Errors
+/// [`ImageError::Read`] for a file that is not there or no PNG.
+pub fn read(path: &Path) -> Result<Rgb8, ImageError> {
+    let failed = |reason: String| ImageError::Read { path: path.to_owned(), reason };
+    let mut reader = ImageReader::open(path).map_err(|error| failed(error.to_string()))?;
+    reader.set_format(ImageFormat::Png);
+    let image = reader.decode().map_err(|error| failed(error.to_string()))?.into_rgb8();
+    let (width, height) = image.dimensions();
+    Ok(Rgb8 { width, height, pixels: image.pixels().map(|pixel| pixel.0).collect() })
 }

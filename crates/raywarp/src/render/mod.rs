@@ -64,6 +64,14 @@ pub fn default_camera(scene: &Scene, triangles: &[Triangle]) -> Camera {
     camera::default_camera(scene, flatten::bounds(triangles)).0
 }
 
+/// Finds out whether pictures can be taken with a camera.
+///
+/// # Errors
+/// [`RenderError::Camera`] says why not.
+pub fn check_camera(camera: &Camera) -> Result<(), RenderError> {
+    camera::kernel_camera(camera, [1, 1]).map(drop)
+}
+
 /// What became of the scene on its way to the device.
 #[derive(Clone, Debug)]
 pub struct Report {

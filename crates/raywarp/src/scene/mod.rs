@@ -12,6 +12,7 @@ pub mod load;
 mod material;
 mod mesh;
 pub mod normals;
+mod path;
 pub mod save;
 
 pub use background::Background;
@@ -22,6 +23,7 @@ pub use light::{Light, LightKind};
 pub use load::{LoadError, LoadOptions, Loaded, Warning};
 pub use material::{AlphaMode, Channel, Filter, Material, NormalMap, Texture, Wrap};
 pub use mesh::{Instance, Mesh, Transform};
+pub use path::{CameraKey, CameraPath, PathError};
 
 /// Everything that a picture needs. Meshes are placed by instances: a mesh without an instance is not seen.
 #[derive(Clone, Debug, Default)]
@@ -38,6 +40,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Viewpoints. Empty: the renderer frames the bounds.
     pub cameras: Vec<Camera>,
+    /// Flights of a camera.
+    pub paths: Vec<CameraPath>,
     /// What a ray sees that leaves the scene. `None`: the renderer's choice.
     pub background: Option<Background>,
     /// Light that arrives everywhere, multiplied by each material's ambient colour. `None`: the renderer's choice.
@@ -57,6 +61,7 @@ impl Scene {
             materials: self.materials.clone(),
             lights: self.lights.clone(),
             cameras: self.cameras.clone(),
+            paths: self.paths.clone(),
             background: self.background,
             ambient: self.ambient,
             render: self.render,

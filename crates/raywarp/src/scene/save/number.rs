@@ -2,8 +2,6 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::scene::radians;
-
 /// A number as it stands in the file. Two are equal if they would be the same bits in a scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Number(f64);
@@ -79,6 +77,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::scene::radians;
 
     #[derive(Serialize)]
     struct Line {

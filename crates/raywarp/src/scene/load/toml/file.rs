@@ -39,6 +39,8 @@ pub struct File {
     pub lights: Vec<Spanned<Light>>,
     #[serde(default)]
     pub cameras: Vec<Spanned<Camera>>,
+    #[serde(default)]
+    pub paths: Vec<Spanned<super::path::Path>>,
     pub background: Option<Background>,
     pub ambient: Option<Color>,
     #[serde(default)]

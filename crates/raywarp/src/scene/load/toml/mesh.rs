@@ -55,6 +55,7 @@ impl Reader<'_> {
         }
         if !entry.cameras {
             read.cameras.clear();
+            read.paths.clear();
         }
         Ok(read)
     }
@@ -104,7 +105,7 @@ impl Reader<'_> {
             ..instance
         };
         let instances = read.instances.into_iter().map(instance).collect();
-        Group { instances, lights: read.lights, cameras: read.cameras }
+        Group { instances, lights: read.lights, cameras: read.cameras, paths: read.paths }
     }
 }
 

@@ -9,6 +9,7 @@ mod file;
 mod light;
 mod material;
 mod mesh;
+mod path;
 mod place;
 mod render;
 #[cfg(test)]
@@ -23,7 +24,7 @@ use std::path::{Path, PathBuf};
 use self::complaint::Complaint;
 use self::file::{File, Name};
 use super::{LoadError, LoadOptions, Place, Sources};
-use crate::scene::{Camera, Instance, Light, Scene, Transform};
+use crate::scene::{Camera, CameraPath, Instance, Light, Scene, Transform};
 
 /// The version of the format.
 const VERSION: i64 = 1;
@@ -132,6 +133,7 @@ struct Group {
     instances: Vec<Instance>,
     lights: Vec<Light>,
     cameras: Vec<Camera>,
+    paths: Vec<CameraPath>,
 }
 
 impl Reader<'_> {
@@ -149,10 +151,23 @@ impl Reader<'_> {
             // The file's own cameras come before those of the files that it names.
             self.scene.cameras.insert(index, light::camera(entry, file.up)?);
         }
+        self.paths(file)?;
         self.turn_upright(file);
         self.scene.background = file.background.as_ref().map(light::background).or(self.scene.background);
         self.scene.ambient = file.ambient.map(|color| color.0).or(self.scene.ambient);
         self.scene.render = file.render.defaults().or(&self.scene.render);
+        Ok(())
+    }
+
+    /// The file's own paths come before those of the files that it names.
+    fn paths(&mut self, file: &File) -> Result<(), Failure> {
+        for (index, entry) in file.paths.iter().enumerate() {
+            let same = |path: &CameraPath| entry.get_ref().name.as_ref().filter(|name| name.get_ref() == path.name());
+            if let Some(name) = self.scene.paths.iter().take(index).find_map(same) {
+                return Err(twice("path", name).into());
+            }
+            self.scene.paths.insert(index, path::path(entry, file.up)?);
+        }
         Ok(())
     }
 
@@ -228,6 +243,8 @@ impl Reader<'_> {
         self.scene.lights.extend(group.lights.iter().map(|light| place::moved_light(light, transform)));
         if first {
             self.scene.cameras.extend(group.cameras.iter().map(|camera| place::moved_camera(camera, transform)));
+            let moved = |path: &CameraPath| path.moved(|camera| place::moved_camera(camera, transform));
+            self.scene.paths.extend(group.paths.iter().map(moved));
         }
         Ok(())
     }
@@ -255,6 +272,9 @@ impl Reader<'_> {
         }
         for camera in &mut self.scene.cameras {
             *camera = place::moved_camera(camera, &upright);
+        }
+        for path in &mut self.scene.paths {
+            *path = path.moved(|camera| place::moved_camera(camera, &upright));
         }
     }
 

@@ -3,20 +3,20 @@ use std::path::Path;
 use crate::scene::load::{self, LoadError, LoadOptions, Loaded};
 use crate::scene::{AlphaMode, LightKind, Projection, Scene};
 
-const TRIANGLE: &str = "[[meshes]]\nname = \"t\"\nvertices = [[0,0,0],[1,0,0],[0,1,0]]\nfaces = [[0,1,2]]\n";
+pub(super) const TRIANGLE: &str = "[[meshes]]\nname = \"t\"\nvertices = [[0,0,0],[1,0,0],[0,1,0]]\nfaces = [[0,1,2]]\n";
 
-fn load_in(directory: &Path, text: &str) -> Result<Loaded, LoadError> {
+pub(super) fn load_in(directory: &Path, text: &str) -> Result<Loaded, LoadError> {
     let path = directory.join("scene.toml");
     std::fs::write(&path, text).unwrap();
     load::load(&path, &LoadOptions::default())
 }
 
-fn scene(text: &str) -> Scene {
+pub(super) fn scene(text: &str) -> Scene {
     let directory = tempfile::tempdir().unwrap();
     load_in(directory.path(), text).unwrap().scene
 }
 
-fn error(text: &str) -> String {
+pub(super) fn error(text: &str) -> String {
     let directory = tempfile::tempdir().unwrap();
     let error = load_in(directory.path(), text).unwrap_err().to_string();
     error.replace(&directory.path().display().to_string(), "").trim_start_matches('/').to_owned()

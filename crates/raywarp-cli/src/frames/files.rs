@@ -1,0 +1,132 @@
+//! The files of each frame: which they are, and whether they are there.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use raywarp::image::{png, probe, Format, Layer, Rgb8};
+use raywarp::write;
+
+use super::names::Template;
+use super::range::Range;
+use crate::options::RenderOptions;
+use crate::output::Plan;
+
+/// Frames that nobody names.
+const USUAL: &str = "raywarp-####.png";
+
+/// Names of the files of all frames.
+#[derive(Debug)]
+pub struct FrameFiles {
+    outputs: Vec<Template>,
+    heatmap: Option<Template>,
+    layers: Vec<Layer>,
+    /// The outputs as they were given.
+    pub names: String,
+}
+
+impl FrameFiles {
+    /// What options ask for; an animation alone needs no frames.
+    ///
+    /// # Errors
+    /// For names without a place for the number of the frame.
+    pub fn new(options: &RenderOptions) -> anyhow::Result<Self> {
+        let outputs = match options.output.as_slice() {
+            [] if options.frames.animation.is_some() => Vec::new(),
+            [] => vec![PathBuf::from(USUAL)],
+            given => given.to_owned(),
+        };
+        anyhow::ensure!(
+            options.aov.is_empty() || !outputs.is_empty(),
+            "--aov goes into picture files or beside them, and an animation holds the picture alone: give -o too"
+        );
+        let name = |path: &PathBuf| match write::is_dash(path) {
+            true => "standard output".to_owned(),
+            false => path.display().to_string(),
+        };
+        Ok(Self {
+            names: outputs.iter().map(name).collect::<Vec<_>>().join(", "),
+            outputs: outputs.iter().map(|path| Template::new(path)).collect::<Result<_, _>>()?,
+            heatmap: options.heatmap.as_deref().map(Template::new).transpose()?,
+            layers: options.aov.clone(),
+        })
+    }
+
+    /// The files of a frame.
+    ///
+    /// # Errors
+    /// Where they contradict each other.
+    pub fn plan(&self, frame: u32) -> anyhow::Result<Plan> {
+        let outputs: Vec<_> = self.outputs.iter().map(|name| name.path(frame)).collect();
+        Plan::of(&outputs, self.heatmap.as_ref().map(|name| name.path(frame)), &self.layers)
+    }
+
+    /// Finds out whether every file has a name of its own, also beside `other`, and a directory to be written into.
+    ///
+    /// # Errors
+    /// Where one does not.
+    pub fn check(&self, range: Range, options: &RenderOptions) -> anyhow::Result<()> {
+        let other = options.frames.animation.as_deref();
+        let mut seen: HashSet<PathBuf> = other.map(Path::to_owned).into_iter().collect();
+        let mut directories = HashSet::new();
+        for frame in range.frames() {
+            let plan = self.plan(frame)?;
+            plan.check_standard_output(options)?;
+            let mut dashes = 0;
+            for path in plan.paths() {
+                dashes += u32::from(write::is_dash(path));
+                let own = if write::is_dash(path) { dashes == 1 } else { seen.insert(path.to_owned()) };
+                anyhow::ensure!(own, "two outputs have the same name, {}: give each its own", path.display());
+                // One file tells whether there is a right to write into its directory.
+                if directories.insert(write::directory_of(path)) {
+                    write::check(path)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether all files of a frame are there and whole, and with `shown` one of them shows its pixels.
+///
+/// # Errors
+/// For a picture of another size, or one that cannot be read.
+pub fn are_there(plan: &Plan, size: [u32; 2], shown: bool) -> anyhow::Result<bool> {
+    let layers = plan.layer_pictures().map(|path| (path, Format::Png));
+    let pictures = plan.pictures().iter().map(|(path, format)| (path.as_path(), *format)).chain(layers);
+    let (mut there, mut files) = (true, 0);
+    for (path, format) in pictures {
+        files += 1;
+        let found = probe(path, format).with_context(|| format!("cannot read {}", path.display()))?;
+        if let Some([width, height]) = found {
+            anyhow::ensure!(
+                [width, height] == size,
+                "{} is there, of {width}x{height} pixels instead of {}x{}: render into another place, or give \
+                 --overwrite",
+                path.display(),
+                size[0],
+                size[1]
+            );
+        }
+        there &= found.is_some();
+    }
+    if let Some(path) = plan.heatmap() {
+        files += 1;
+        there &= probe(path, Format::Png).with_context(|| format!("cannot read {}", path.display()))?.is_some();
+    }
+    Ok(there && files > 0 && (!shown || shown_in(plan).is_some()))
+}
+
+/// The file that holds a frame's pixels.
+fn shown_in(plan: &Plan) -> Option<&Path> {
+    plan.pictures().iter().find(|picture| picture.1 == Format::Png).map(|picture| picture.0.as_path())
+}
+
+/// The pixels of a frame that is there.
+///
+/// # Errors
+/// Where it has gone or is no PNG within.
+pub fn read_back(plan: &Plan) -> anyhow::Result<Rgb8> {
+    let path = shown_in(plan).context("the frame has no PNG")?;
+    png::read(path).context("give --overwrite to render it anew")
+}

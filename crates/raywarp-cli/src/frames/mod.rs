@@ -1,0 +1,183 @@
+//! `raywarp render --frames`: turntables and camera flights.
+//!
+//! The scene is read and its tree built once. Each frame is written whole or not at all, so a run that was ended goes on
+//! where it was, and several machines can share a flight.
+
+mod animation;
+mod files;
+mod flight;
+mod names;
+mod options;
+mod orbit;
+mod range;
+
+use std::time::Instant;
+
+use raywarp::image::{Layers, Rgb8};
+use raywarp::scene::Camera;
+
+use crate::interrupt::Interrupt;
+use crate::limits;
+use crate::options::RenderOptions;
+use crate::output::Plan;
+use crate::progress::{Bar, Words, THOUSAND};
+use crate::render::{limit_threads, read, say_statistics, Shot, Stage};
+use crate::report::{FrameCounts, Statistics};
+use crate::say;
+
+use animation::Animation;
+use files::FrameFiles;
+use flight::Flight;
+pub use options::FrameOptions;
+use range::Range;
+
+/// Renders frames of a flight to files.
+pub fn run(options: &RenderOptions, range: Range) -> anyhow::Result<()> {
+    let interrupt = Interrupt::install();
+    let whole = range.whole(options.frames.of)?;
+    let files = name(options, range, &interrupt)?;
+    if let Some(size) = options.size {
+        // Better told before a large scene is read.
+        check(size, options, &files.plan(range.first)?)?;
+    }
+    limit_threads(options.machine.threads)?;
+
+    let start = Instant::now();
+    let loaded = read(options.scene.as_deref(), options.strict)?;
+    let load_seconds = start.elapsed().as_secs_f64();
+    let path = options.frames.path.as_deref().map(|name| flight::named(&loaded.scene.paths, name)).transpose()?;
+    let wishes = options.wishes().or(&loaded.scene.render);
+    let size = check(wishes.options().size, options, &files.plan(range.first)?)?;
+    let stage = Stage::set(options, wishes, &loaded)?;
+    let flight = Flight::new(&stage, path, whole);
+    flight.check(range)?;
+
+    let open = |path| Animation::open(path, size, range.count(), options.frames.fps, &interrupt);
+    let animation = options.frames.animation.as_deref().map(open).transpose()?;
+    let statistics = stage.statistics(size);
+    let mut roll = Roll { stage: &stage, files: &files, flight: &flight, interrupt: &interrupt, animation, statistics };
+    let counts = roll.expose(range)?;
+    let said = roll.animation.take().map(|animation| animation.finish(&interrupt)).transpose()?;
+    let mut statistics = roll.statistics;
+    statistics.seconds.load = load_seconds;
+    statistics.frames = Some(counts);
+    conclude(options, &files, &statistics, start.elapsed().as_secs_f64(), said)
+}
+
+/// The names of the frames' files, once it is known that they can be written.
+fn name(options: &RenderOptions, range: Range, interrupt: &Interrupt) -> anyhow::Result<FrameFiles> {
+    // Trying whether files can be written makes some for a moment.
+    let _held = interrupt.hold();
+    let files = FrameFiles::new(options)?;
+    files.check(range, options)?;
+    Ok(files)
+}
+
+/// Refuses frames that cannot be held in memory, or in the animation. Columns and rows that are rendered.
+fn check(size: [u32; 2], options: &RenderOptions, plan: &Plan) -> anyhow::Result<[u32; 2]> {
+    let region = limits::check(size, options, plan)?;
+    if let Some(path) = &options.frames.animation {
+        animation::check(path, region, options.frames.fps)?;
+    }
+    Ok(region)
+}
+
+/// Frames under way.
+struct Roll<'a> {
+    stage: &'a Stage<'a>,
+    files: &'a FrameFiles,
+    flight: &'a Flight,
+    interrupt: &'a Interrupt,
+    animation: Option<Animation>,
+    statistics: Statistics,
+}
+
+impl Roll<'_> {
+    /// Renders every frame that is not there.
+    fn expose(&mut self, range: Range) -> anyhow::Result<FrameCounts> {
+        let mut bar = Bar::new(self.stage.options.quiet, Words::Frames);
+        let total = u64::from(range.count()) * THOUSAND;
+        let mut counts = FrameCounts::default();
+        for (index, frame) in range.frames().enumerate() {
+            let before = index as u64 * THOUSAND;
+            let plan = self.files.plan(frame)?;
+            if self.is_there(&plan)? {
+                counts.kept += 1;
+                self.show(|| files::read_back(&plan))?;
+            } else {
+                let mut update = |share: f64| bar.update(before + (share * THOUSAND as f64) as u64, Some(total));
+                self.take(&plan, &self.flight.camera(frame), counts.rendered == 0, &mut update)?;
+                counts.rendered += 1;
+            }
+            bar.update(before + THOUSAND, Some(total));
+        }
+        Ok(counts)
+    }
+
+    fn is_there(&self, plan: &Plan) -> anyhow::Result<bool> {
+        let overwrite = self.stage.options.frames.overwrite;
+        Ok(!overwrite && files::are_there(plan, self.statistics.size, self.animation.is_some())?)
+    }
+
+    fn take(
+        &mut self,
+        plan: &Plan,
+        camera: &Camera,
+        is_first: bool,
+        progress: &mut dyn FnMut(f64),
+    ) -> anyhow::Result<()> {
+        let shot = Shot { stage: self.stage, plan, camera };
+        let taken = shot.take(&mut |now| progress(now.done as f64 / now.total.max(1) as f64))?;
+        self.statistics.add(&taken);
+        let saving = Instant::now();
+        let layers: Layers = shot.layers(&taken)?;
+        let results = shot.results(&taken, &layers);
+        // What the colours mean is said of one frame: of all, it would be a book.
+        plan.write(&results, self.interrupt, self.stage.options.quiet || !is_first)?;
+        if let Some(animation) = &mut self.animation {
+            animation.add(results.shown())?;
+        }
+        self.statistics.seconds.save += saving.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Adds a frame that was not rendered to the animation, if there is one.
+    fn show(&mut self, picture: impl FnOnce() -> anyhow::Result<Rgb8>) -> anyhow::Result<()> {
+        match &mut self.animation {
+            Some(animation) => animation.add(&picture()?),
+            None => Ok(()),
+        }
+    }
+}
+
+fn conclude(
+    options: &RenderOptions,
+    files: &FrameFiles,
+    statistics: &Statistics,
+    total: f64,
+    animation: Option<String>,
+) -> anyhow::Result<()> {
+    say_statistics(options, statistics)?;
+    if options.quiet {
+        return Ok(());
+    }
+    let ([width, height], seconds, counts) =
+        (statistics.size, &statistics.seconds, statistics.frames.unwrap_or_default());
+    let place = if files.names.is_empty() { String::new() } else { format!("{}: ", files.names) };
+    let kept = match counts.kept {
+        0 => String::new(),
+        kept => format!("; {kept} were there already and are kept, --overwrite renders anew"),
+    };
+    say::line(&format!(
+        "{place}{} of {width}x{height} pixels on {} in {} (rendering {}, kernels {}){kept}",
+        say::count(counts.rendered, "frame"),
+        statistics.device,
+        say::seconds(total),
+        say::seconds(seconds.render),
+        say::seconds(seconds.kernel),
+    ));
+    if let Some(animation) = animation {
+        say::line(&animation);
+    }
+    Ok(())
+}
