@@ -92,6 +92,22 @@ fn encode(wide: &WideNode<4>) -> Node {
     node
 }
 
+fn grid(node: &Node) -> Grid {
+    Grid { origin: node.origin.to_array(), spacing: node.spacing.to_array() }
+}
+
+/// The children that exist.
+pub(super) fn told(node: &Node) -> [Option<Told>; 8] {
+    let mut children = [None; 8];
+    for (place, &child) in node.children.iter().enumerate() {
+        let planes = [0, 1, 2].map(|axis| [byte(node.low[axis], place), byte(node.high[axis], place)]);
+        if planes.iter().all(|[low, high]| low <= high) {
+            children[place] = Some(Told { region: grid(node).region(planes), link: child.into() });
+        }
+    }
+    children
+}
+
 impl Layout for Bvh4 {
     const LEVELS: usize = MAX_DEPTH;
 
@@ -101,21 +117,12 @@ impl Layout for Bvh4 {
 
     fn children(&self, index: u32) -> Result<[Option<Told>; 8], Invalid> {
         let node = &self.nodes[index as usize];
-        let grid = Grid { origin: node.origin.to_array(), spacing: node.spacing.to_array() };
-        if !grid.is_sound() {
+        if !grid(node).is_sound() {
             return Err(Invalid::Grid { node: index });
         }
-        let mut children = [None; 8];
-        for (place, &child) in node.children.iter().enumerate() {
-            let planes = [0, 1, 2].map(|axis| [byte(node.low[axis], place), byte(node.high[axis], place)]);
-            let link = child.into();
-            // What does not exist links to something all the same: see the kernels' `Node`.
-            wide::in_range(self, index, link)?;
-            if planes.iter().all(|[low, high]| low <= high) {
-                children[place] = Some(Told { region: grid.region(planes), link });
-            }
-        }
-        Ok(children)
+        // What does not exist links to something all the same: see the kernels' `Node`.
+        node.children.iter().try_for_each(|&child| wide::in_range(self, index, child.into()))?;
+        Ok(told(node))
     }
 
     fn places(&self) -> usize {

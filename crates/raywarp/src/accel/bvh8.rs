@@ -115,19 +115,10 @@ impl Layout for Bvh8 {
 
     fn children(&self, index: u32) -> Result<[Option<Told>; 8], Invalid> {
         let node = &self.nodes[index as usize];
-        let spacing = [0, 1, 2].map(|axis| f32::from_bits(u32::from(byte(node.exponents, axis)) << 23));
-        let grid = Grid { origin: node.origin.to_array(), spacing };
-        if !grid.is_sound() {
+        if !grid(node).is_sound() {
             return Err(Invalid::Grid { node: index });
         }
-        let mut children = [None; 8];
-        for (slot, child) in children.iter_mut().enumerate() {
-            let planes = |words: [[u32; 2]; 3], axis: usize| byte(words[axis][slot / 4], slot % 4);
-            let region = grid.region([0, 1, 2].map(|axis| [planes(node.low, axis), planes(node.high, axis)]));
-            let link = link(node, slot).map_err(|()| Invalid::Slot { node: index, slot })?;
-            *child = link.map(|link| Told { region, link });
-        }
-        Ok(children)
+        told(node).map_err(|slot| Invalid::Slot { node: index, slot })
     }
 
     fn places(&self) -> usize {
@@ -141,6 +132,22 @@ impl Layout for Bvh8 {
     fn bytes(&self) -> usize {
         size_of_val(&self.nodes[..]) + size_of_val(&self.triangles[..])
     }
+}
+
+fn grid(node: &Node) -> Grid {
+    let spacing = [0, 1, 2].map(|axis| f32::from_bits(u32::from(byte(node.exponents, axis)) << 23));
+    Grid { origin: node.origin.to_array(), spacing }
+}
+
+/// The children, or the first slot that makes no sense.
+pub(super) fn told(node: &Node) -> Result<[Option<Told>; 8], usize> {
+    let mut children = [None; 8];
+    for (slot, child) in children.iter_mut().enumerate() {
+        let planes = |words: [[u32; 2]; 3], axis: usize| byte(words[axis][slot / 4], slot % 4);
+        let region = grid(node).region([0, 1, 2].map(|axis| [planes(node.low, axis), planes(node.high, axis)]));
+        *child = link(node, slot).map_err(|()| slot)?.map(|link| Told { region, link });
+    }
+    Ok(children)
 }
 
 /// What a slot holds, if that makes sense.

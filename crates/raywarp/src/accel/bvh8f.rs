@@ -113,6 +113,19 @@ fn encode(wide: &WideNode<8>, triangles: &[Triangle], blocks: &mut Vec<Block>) -
     node
 }
 
+/// The children that exist.
+pub(super) fn told(node: &Node) -> [Option<Told>; 8] {
+    let mut children = [None; 8];
+    for (place, &child) in node.children.iter().enumerate() {
+        let corner = |first: usize| [0, 1, 2].map(|axis| f64::from(node.planes[first + axis][place]));
+        let region = Region { low: corner(0), high: corner(3) };
+        if (0..3).all(|axis| region.low[axis] <= region.high[axis]) {
+            children[place] = Some(Told { region, link: child.into() });
+        }
+    }
+    children
+}
+
 impl Layout for Bvh8f {
     const LEVELS: usize = MAX_DEPTH;
 
@@ -122,21 +135,16 @@ impl Layout for Bvh8f {
 
     fn children(&self, index: u32) -> Result<[Option<Told>; 8], Invalid> {
         let node = &self.nodes[index as usize];
-        let mut children = [None; 8];
-        for (place, &child) in node.children.iter().enumerate() {
-            let corner = |first: usize| [0, 1, 2].map(|axis| f64::from(node.planes[first + axis][place]));
-            let region = Region { low: corner(0), high: corner(3) };
-            let link = child.into();
-            // What does not exist links to something all the same: see the kernels' `Node`.
-            wide::in_range(self, index, link)?;
-            if (0..3).all(|axis| region.low[axis] <= region.high[axis]) {
-                if matches!(link, Link::Leaf(first, _) if first % BLOCK != 0) {
-                    return Err(Invalid::Slot { node: index, slot: place });
-                }
-                children[place] = Some(Told { region, link });
-            }
+        // What does not exist links to something all the same: see the kernels' `Node`.
+        node.children.iter().try_for_each(|&child| wide::in_range(self, index, child.into()))?;
+        let children = told(node);
+        let is_off = |child: &Option<Told>| {
+            child.is_some_and(|child| matches!(child.link, Link::Leaf(first, _) if first % BLOCK != 0))
+        };
+        match children.iter().position(is_off) {
+            Some(slot) => Err(Invalid::Slot { node: index, slot }),
+            None => Ok(children),
         }
-        Ok(children)
     }
 
     fn places(&self) -> usize {

@@ -94,6 +94,24 @@ fn encode(wide: &WideNode<8>) -> Node {
     Node { boxes, children, unused: [0; 4] }
 }
 
+fn grid(boxes: &Boxes) -> Grid {
+    Grid { origin: boxes.origin.to_array(), spacing: boxes.spacing.to_array() }
+}
+
+/// The children that exist.
+pub(super) fn told(node: &Node) -> [Option<Told>; 8] {
+    let boxes = &node.boxes;
+    let mut children = [None; 8];
+    for (slot, &child) in node.children.iter().enumerate() {
+        let plane = |words: [[u32; 2]; 3], axis: usize| byte(words[axis][slot / 4], slot % 4);
+        let planes = [0, 1, 2].map(|axis| [plane(boxes.low, axis), plane(boxes.high, axis)]);
+        if planes.iter().all(|[low, high]| low <= high) {
+            children[slot] = Some(Told { region: grid(boxes).region(planes), link: child.into() });
+        }
+    }
+    children
+}
+
 impl Layout for Bvh8w {
     const LEVELS: usize = MAX_DEPTH;
 
@@ -103,23 +121,12 @@ impl Layout for Bvh8w {
 
     fn children(&self, index: u32) -> Result<[Option<Told>; 8], Invalid> {
         let node = &self.nodes[index as usize];
-        let boxes = &node.boxes;
-        let grid = Grid { origin: boxes.origin.to_array(), spacing: boxes.spacing.to_array() };
-        if !grid.is_sound() {
+        if !grid(&node.boxes).is_sound() {
             return Err(Invalid::Grid { node: index });
         }
-        let mut children = [None; 8];
-        for (slot, &child) in node.children.iter().enumerate() {
-            let plane = |words: [[u32; 2]; 3], axis: usize| byte(words[axis][slot / 4], slot % 4);
-            let planes = [0, 1, 2].map(|axis| [plane(boxes.low, axis), plane(boxes.high, axis)]);
-            let link = child.into();
-            // What does not exist links to something all the same: see the kernels' `Boxes`.
-            wide::in_range(self, index, link)?;
-            if planes.iter().all(|[low, high]| low <= high) {
-                children[slot] = Some(Told { region: grid.region(planes), link });
-            }
-        }
-        Ok(children)
+        // What does not exist links to something all the same: see the kernels' `Boxes`.
+        node.children.iter().try_for_each(|&child| wide::in_range(self, index, child.into()))?;
+        Ok(told(node))
     }
 
     fn places(&self) -> usize {

@@ -59,14 +59,14 @@ impl Compact {
         self.expanded().validate()
     }
 
-    /// With the boxes as numbers, none larger than it is on the grid.
     fn expanded(&self) -> Bvh2 {
         let nodes = self.nodes.iter().map(|node| expand(node, &self.grid)).collect();
         Bvh2 { nodes, triangles: self.triangles.clone(), build_seconds: self.build_seconds }
     }
 }
 
-fn expand(node: &Node, grid: &Grid) -> Full {
+/// With the boxes as numbers, none larger than it is on the grid.
+pub(super) fn expand(node: &Node, grid: &Grid) -> Full {
     let [low, high] = [(0, 0u32), (16, 1)].map(|(shift, up)| {
         node.children.map(|child| {
             let [x, y, z] = [0, 1, 2].map(|i: u32| {

@@ -116,7 +116,7 @@ impl KdTree {
 }
 
 /// The cells below and above an inner node's plane.
-fn cut(cell: &Bounds, node: Node) -> [Bounds; 2] {
+pub(super) fn cut(cell: &Bounds, node: Node) -> [Bounds; 2] {
     let (mut below, mut above) = (*cell, *cell);
     below.high[node.axis() as usize] = node.plane();
     above.low[node.axis() as usize] = node.plane();

@@ -16,6 +16,7 @@
 mod binary;
 mod bins;
 mod bounds;
+mod boxes;
 pub mod brute;
 pub mod bvh2;
 pub mod bvh2_binned;
@@ -54,6 +55,7 @@ use raywarp_kernels::ray::{Hit, Ray};
 use raywarp_kernels::traverse::{closest, occlusion, Counter, Occlusion};
 use raywarp_kernels::triangle::Triangle;
 
+pub use boxes::{TreeBox, MAX_BOXES};
 pub use error::{BuildError, Invalid};
 pub use kind::{AccelKind, UnknownKind};
 pub use quality::{Build, Quality, UnknownQuality};

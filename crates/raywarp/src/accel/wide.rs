@@ -24,6 +24,12 @@ impl Region {
         Self { low: bounds.low.map(f64::from), high: bounds.high.map(f64::from) }
     }
 
+    /// In single precision: the next larger box, but within what is finite.
+    pub fn bounds(&self) -> Bounds {
+        let low = |x: f64| if f64::from(x as f32) > x { (x as f32).next_down() } else { x as f32 };
+        Bounds { low: self.low.map(|x| low(x).max(-f32::MAX)), high: self.high.map(|x| (-low(-x)).min(f32::MAX)) }
+    }
+
     pub fn contains(&self, bounds: &Bounds) -> bool {
         let other = Self::of(bounds);
         (0..3).all(|i| self.low[i] <= other.low[i] && other.high[i] <= self.high[i])

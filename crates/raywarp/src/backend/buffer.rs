@@ -1,5 +1,7 @@
 //! Arrays on a device.
 
+use std::borrow::Cow;
+
 use raywarp_kernels::view::{Plain, View, ViewMut};
 
 use super::cuda::CudaBuffer;
@@ -86,6 +88,14 @@ impl<T: Plain> Buffer<T> {
             (Storage::Host(_), Machine::Cpu) => true,
             (Storage::Cuda(buffer), Machine::Cuda(gpu)) => buffer.is_on(gpu),
             _ => false,
+        }
+    }
+
+    /// The items: where they are on the host, or a copy of them.
+    pub(crate) fn items(&self) -> Result<Cow<'_, [T]>, DeviceError> {
+        match &self.storage {
+            Storage::Host(items) => Ok(Cow::Borrowed(items)),
+            Storage::Cuda(_) => self.to_vec().map(Cow::Owned),
         }
     }
 

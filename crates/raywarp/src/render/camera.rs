@@ -60,8 +60,11 @@ pub fn ray(camera: &Camera, size: [u32; 2], [x, y]: [f32; 2]) -> Result<Ray, Ren
     Ok(kernel_camera(camera, size)?.ray(x, y))
 }
 
-/// Right, up and forward of a camera, orthonormal.
-pub(crate) fn axes(camera: &Camera) -> Result<[math::Vec3; 3], RenderError> {
+/// Right, up and forward of a camera, orthonormal: a pinhole's ray through the middle of the picture goes forward.
+///
+/// # Errors
+/// [`RenderError::Camera`] for a camera without a direction or at no finite place.
+pub fn axes(camera: &Camera) -> Result<[math::Vec3; 3], RenderError> {
     let refuse = |problem| Err(RenderError::Camera { name: camera.name.clone(), problem });
     let eye = Vec3::from(camera.eye);
     let view = Vec3::from(camera.target) - eye;

@@ -7,7 +7,7 @@ use raywarp_kernels::traverse::bvh2::Node;
 use super::flatten::{self, Flat};
 use super::lighting::Lighting;
 use super::{RenderError, Structure, Tracer};
-use crate::accel::{sift, Resident};
+use crate::accel::{sift, Resident, TreeBox};
 use crate::backend::{Buffer, Device};
 use crate::scene::{Image, Instance, Material, Scene};
 use crate::Triangle;
@@ -35,6 +35,14 @@ impl Tracer {
     /// Which structure is traced.
     pub fn structure(&self) -> &Structure {
         &self.structure
+    }
+
+    /// The boxes of the structure down to a level, as they are after all moves: see [`Structure::boxes`].
+    ///
+    /// # Errors
+    /// [`RenderError`] where the device fails.
+    pub fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, RenderError> {
+        self.structure.boxes(level)
     }
 
     /// Takes over the lights, the background and the ambient light of a scene; nothing else of it is looked at but

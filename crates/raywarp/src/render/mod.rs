@@ -34,7 +34,7 @@ use lighting::Lighting;
 use options::Window;
 use resident::ResidentScene;
 
-pub use camera::{framing, ray};
+pub use camera::{axes, framing, ray};
 pub use changes::world_triangles;
 pub use error::RenderError;
 pub use film::{Exposure, Film, Painted, Quantity};

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use raywarp_kernels::screen::{Develop, Paint, Ranges};
 
-use crate::accel::{cache, Accel, AccelKind, Build, Quality, Resident, TreeStats};
+use crate::accel::{cache, Accel, AccelKind, Build, Quality, Resident, TreeBox, TreeStats};
 use crate::backend::Device;
 use crate::Triangle;
 
@@ -47,6 +47,15 @@ impl Structure {
         device.load::<Ranges>()?;
         device.load::<Paint>()?;
         Ok(passes::load(device, &self.resident)?)
+    }
+
+    /// Its boxes down to a level, see [`Accel::boxes`]. All nodes are read back from the device, as they are now: it is
+    /// worth keeping what comes until something changes.
+    ///
+    /// # Errors
+    /// [`RenderError`] where the device fails.
+    pub fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, RenderError> {
+        Ok(self.resident.boxes(level)?)
     }
 
     /// The structure on this machine, and what there is to tell of it.
