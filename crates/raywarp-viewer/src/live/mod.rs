@@ -5,6 +5,7 @@
 //! belong to one thread: what takes long (reading, building, compiling kernels) runs beside it, and
 //! [`Stage::poll`] takes what is ready.
 
+pub mod boxes;
 pub mod camera_control;
 mod control_value;
 pub mod edits;
