@@ -29,6 +29,12 @@ impl Line {
     /// follow each other, only one takes it. Across, it takes as much of a pixel as it covers of the pixel's middle.
     pub fn draw(&self, band: &mut Band) {
         let [from, to] = self.ends;
+        let [columns, rows] = band.extent();
+        // Most lines are in few bands; a line is at most so much wider along an axis than across.
+        let reach = 1.0 + self.width;
+        if from[1].max(to[1]) + reach < rows[0] as f32 || from[1].min(to[1]) - reach > rows[1] as f32 {
+            return;
+        }
         let is_steep = (to[1] - from[1]).abs() > (to[0] - from[0]).abs();
         // `u` runs along the line, `v` across.
         let (u, v) = if is_steep { (1, 0) } else { (0, 1) };
@@ -38,11 +44,12 @@ impl Line {
         }
         let slope = (to[v] - from[v]) / (to[u] - from[u]);
         let half = 0.5 * self.width * (1.0 + slope * slope).sqrt();
-        let extent = band.extent();
+        let extent = [columns, rows];
         for along in pixels(near([from[u], to[u]], from[v], slope, extent[v], half), extent[u]) {
             let middle = from[v] + slope * (along as f32 + 0.5 - from[u]);
             let (low, high) = (middle - half, middle + half);
-            for across in whole([low.floor(), high.ceil()], extent[v]) {
+            // Cut towards zero: a pixel too many at either end is not covered. Rounding would be a call of a function.
+            for across in whole([low, high + 1.0], extent[v]) {
                 let covered = high.min(across as f32 + 1.0) - low.max(across as f32);
                 let [column, row] = if is_steep { [across, along] } else { [along, across] };
                 band.blend(column, row, self.color, self.strength * covered.clamp(0.0, 1.0));
@@ -68,10 +75,10 @@ fn pixels(range: [f32; 2], extent: [usize; 2]) -> std::ops::Range<usize> {
     whole(range.map(|x| (x - 0.5).ceil()), extent)
 }
 
-/// What an extent and a range of whole numbers have in common.
+/// What an extent and a range, each end cut towards zero, have in common.
 fn whole(range: [f32; 2], extent: [usize; 2]) -> std::ops::Range<usize> {
-    // The conversion takes the nearest number that there is.
-    (range[0] as usize).max(extent[0])..(range[1] as usize).min(extent[1])
+    let [first, end] = range.map(|x| (x as i32).max(0) as usize);
+    first.max(extent[0])..end.min(extent[1])
 }
 
 impl Band<'_> {
@@ -84,9 +91,14 @@ impl Band<'_> {
     /// Mixes a share of a colour into a pixel within the extent.
     fn blend(&mut self, column: usize, row: usize, color: [u8; 3], share: f32) {
         let at = 4 * ((row - self.first) * self.columns + column);
-        let share = (256.0 * share) as i32;
-        for (old, new) in self.pixels.iter_mut().skip(at).zip(color) {
-            *old = (i32::from(*old) + ((i32::from(new) - i32::from(*old)) * share >> 8)) as u8;
-        }
+        let share = (256.0 * share) as u32;
+        let Some(pixel) = self.pixels.get_mut(at..at + 4).and_then(|bytes| <&mut [u8; 4]>::try_from(bytes).ok()) else {
+            return;
+        };
+        let [r, g, b] = color;
+        let (new, old) = (u32::from_le_bytes([r, g, b, 0]), u32::from_le_bytes(*pixel));
+        // Red and blue at once: neither reaches the other, as the shares add up to 256.
+        let mixed = |mask: u32| ((new & mask) * share + (old & mask) * (256 - share)) >> 8 & mask;
+        *pixel = (mixed(0x00ff_00ff) | mixed(0x0000_ff00) | old & 0xff00_0000).to_le_bytes();
     }
 }

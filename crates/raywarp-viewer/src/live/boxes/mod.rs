@@ -14,6 +14,9 @@ use raywarp::scene::Camera;
 use eye::Eye;
 use line::{Band, Line};
 
+/// Strength of a line that is hardly seen: it is left out.
+const LEAST: f32 = 0.06;
+
 /// Draws boxes down to a level over a picture of so many columns and rows: red, green, blue and anything of each pixel,
 /// top row first. `boxes` may go deeper; they are those of [`Tracer::boxes`](raywarp::render::Tracer::boxes).
 ///
@@ -83,10 +86,16 @@ fn edges<'a>(eye: &'a Eye, item: &TreeBox, style: Style) -> impl Iterator<Item =
         let from = sides[0] << others[0] | sides[1] << others[1];
         let ends = eye.project([corners[from], corners[from | 1 << axis]])?;
         let is_front = is_inside || faces[others[0]][sides[0]] || faces[others[1]][sides[1]];
-        let strength = style.strength * if is_front { 1.0 } else { 0.4 };
-        Some(Line { ends, color: style.color, width: style.width, strength })
+        let strength = style.strength * if is_front { 1.0 } else { 0.4 } * faintness(ends);
+        (strength > LEAST).then_some(Line { ends, color: style.color, width: style.width, strength })
     };
     (0..12).filter_map(move |i| edge(i / 4, [i & 1, i >> 1 & 1]))
+}
+
+/// Where boxes are small there are many: short edges are fainter, lest they hide the picture.
+fn faintness([from, to]: [[f32; 2]; 2]) -> f32 {
+    let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+    (length / 16.0).clamp(0.3, 1.0)
 }
 
 #[cfg(test)]
