@@ -6,8 +6,9 @@ use raywarp::accel::{AccelKind, Quality};
 use raywarp::backend::Device;
 use raywarp::image::{png, Development};
 use raywarp::render::{RenderOptions, Tracer};
-use raywarp::scene::{load, Camera};
+use raywarp::scene::{load, Camera, RenderDefaults};
 use raywarp_viewer::live::{Button, Event, Modifiers, Outcome, Picture, Source, Stage, StageOptions, Viewer};
+use raywarp_viewer::ViewerError;
 
 const SIZE: [u32; 2] = [96, 54];
 const SPP: u32 = 4;
@@ -174,7 +175,11 @@ fn every_view_is_one_key_away_and_costs_have_a_scale() {
 #[test]
 fn a_better_tree_takes_over_without_a_change_of_the_picture() {
     for (accel, quality) in [(None, Quality::High), (Some(AccelKind::Kd), Quality::Medium)] {
-        let mut session = Session::new(StageOptions { accel, quality, cached: false, at_once: 0 });
+        let mut session = Session::new(StageOptions {
+            wishes: RenderDefaults { accel, tree: Some(quality), ..RenderDefaults::default() },
+            at_once: 0,
+            ..StageOptions::default()
+        });
         let first = session.settle().pop().unwrap();
         let begin = Instant::now();
         while session.stage.busy().is_some() {
@@ -211,6 +216,7 @@ fn a_scene_that_cannot_be_read_is_a_notice() {
         assert!(begin.elapsed() < Duration::from_secs(10));
         stage.poll();
     }
+    assert!(matches!(stage.take_failure(), Some(ViewerError::Load(_))));
     let notice = stage.notice().expect("a notice");
     assert!(notice.error && notice.text.contains("no-such-scene.obj"), "{notice:?}");
     assert!(!stage.is_ready());

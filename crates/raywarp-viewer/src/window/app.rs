@@ -82,13 +82,9 @@ impl App {
     /// Whether the first scene has not failed.
     ///
     /// # Errors
-    /// [`WindowError::Scene`] if it has; later failures are shown over the picture that there is.
-    pub fn check(&self) -> Result<(), WindowError> {
-        let over = !self.stage.is_ready() && self.stage.busy().is_none() && self.picture.is_none();
-        match self.stage.notice().filter(|notice| over && notice.error) {
-            Some(notice) => Err(WindowError::Scene(notice.text.clone())),
-            None => Ok(()),
-        }
+    /// [`WindowError::Viewer`] if it has; later failures are shown over the picture that there is.
+    pub fn check(&mut self) -> Result<(), WindowError> {
+        self.stage.take_failure().map_or(Ok(()), |error| Err(error.into()))
     }
 
     /// Why the loop ended, if not by people.
