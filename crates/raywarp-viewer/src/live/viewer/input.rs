@@ -14,7 +14,7 @@ use crate::live::{Button, Event, Notice, Outcome, Stage};
 impl Viewer {
     /// Takes an event; returns what the front end has to do.
     pub fn handle(&mut self, stage: &mut Stage, event: &Event) -> Vec<Outcome> {
-        if matches!(event, Event::Key { down: true, .. } | Event::Button { down: true, .. } | Event::Set { .. }) {
+        if matches!(event, Event::Key { down: true, .. } | Event::Button { down: true, .. } | Event::Set { .. } | Event::Reset { .. }) {
             self.notice = None;
         }
         match event {
