@@ -106,7 +106,7 @@ fn every_view_is_one_key_away_and_costs_have_a_scale() {
         session.key(key, true);
         let view = session.settle().pop().unwrap();
         assert!(!seen.contains(&view.rgba), "{name} is like another");
-        seen.push(view.rgba);
+        seen.push(view.rgba.clone());
         let status = session.viewer.status(&session.stage);
         let legend = status.legend.expect("a legend");
         assert_eq!((status.view.as_str(), legend.title.is_empty()), (name, false));

@@ -22,7 +22,7 @@ fn settled_pixels() -> Vec<u8> {
     while start.elapsed() < LONG {
         stage.poll();
         match viewer.frame(&mut stage, start.elapsed()).unwrap() {
-            Some(picture) if picture.settled => return picture.rgba,
+            Some(picture) if picture.settled => return picture.rgba.clone(),
             _ => {}
         }
     }

@@ -1,6 +1,7 @@
 //! The core in the hands of a test.
 #![allow(dead_code, missing_docs)]
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use raywarp::backend::Device;
@@ -37,16 +38,16 @@ impl Session {
         self.viewer.handle(&mut self.stage, &event)
     }
 
-    pub fn frame(&mut self) -> Option<Picture> {
+    pub fn frame(&mut self) -> Option<Arc<Picture>> {
         let picture = self.viewer.frame(&mut self.stage, self.start.elapsed()).expect("the device works")?;
         self.shown.clone_from(&picture.rgba);
         Some(picture)
     }
 
     /// Pictures until one is settled.
-    pub fn settle(&mut self) -> Vec<Picture> {
+    pub fn settle(&mut self) -> Vec<Arc<Picture>> {
         let (mut pictures, begin) = (Vec::new(), Instant::now());
-        while !pictures.last().is_some_and(|picture: &Picture| picture.settled) {
+        while !pictures.last().is_some_and(|picture: &Arc<Picture>| picture.settled) {
             assert!(
                 begin.elapsed() < Duration::from_secs(60),
                 "it never settles: {:?}",

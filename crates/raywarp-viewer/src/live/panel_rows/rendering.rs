@@ -24,9 +24,7 @@ fn rows(looks: [&Look; 2], tree: &[Build; 2]) -> Vec<Row> {
     let number = |min: f32, max: f32, step: f32| Control::Number { min, max, step };
     vec![
         row("look.view", "View", both(|look| text(look.view)), choice(View::ALL)),
-        row("look.boxes", "Boxes of the tree to level", both(|look| level(look.boxes)), {
-            number(-1.0, MAX_LEVEL as f32, 1.0)
-        }),
+        row("look.boxes", "Boxes to level", both(|look| level(look.boxes)), number(-1.0, MAX_LEVEL as f32, 1.0)),
         row("look.exposure", "Exposure, stops", both(|look| Value::Number(look.development.exposure)), {
             number(-stops, stops, 0.1)
         }),
@@ -38,7 +36,7 @@ fn rows(looks: [&Look; 2], tree: &[Build; 2]) -> Vec<Row> {
         row("look.spp", "Samples a pixel", both(|look| Value::Number(look.spp as f32)), {
             number(1.0, MAX_SAMPLES as f32, 1.0)
         }),
-        row("look.reference", "Full quality while moving", both(|look| Value::Flag(look.reference)), Control::Flag),
+        row("look.reference", "Full quality", both(|look| Value::Flag(look.reference)), Control::Flag),
         row("look.frame_rate", "Frames a second", both(|look| Value::Number(look.frame_rate)), {
             number(FRAME_RATES[0], FRAME_RATES[1], 1.0)
         }),

@@ -86,6 +86,8 @@ pub struct Stage {
     chosen: Option<Build>,
     motion: Motion,
     notice: Option<Notice>,
+    /// Notices so far.
+    told: u64,
     failure: Option<ViewerError>,
     generation: u64,
     edition: u64,
@@ -132,6 +134,7 @@ impl Stage {
             chosen: None,
             motion: Motion::default(),
             notice: None,
+            told: 0,
             failure: None,
             generation: 0,
             edition: 0,
@@ -180,7 +183,8 @@ impl Stage {
             0 => first.clone(),
             more => format!("{first} (and {more} more warnings: `raywarp info` tells all)"),
         });
-        self.notice = warning.map(|text| Notice { text, error: false });
+        self.notice = None;
+        warning.into_iter().for_each(|text| self.tell(text, false));
         self.watch_with(watch);
         (self.building, self.motion) = (None, Motion::default());
         let before = self.ready.replace(ready);
@@ -200,16 +204,20 @@ impl Stage {
     fn watch_with(&mut self, watch: Option<Result<Watch, super::watch::WatchError>>) {
         match watch {
             Some(Ok(watch)) => self.watch = Some(watch),
-            Some(Err(error)) => self.notice = Some(Notice { text: error.to_string(), error: true }),
+            Some(Err(error)) => self.tell(error.to_string(), true),
             None => {}
         }
     }
 
     fn fail(&mut self, error: ViewerError) {
-        self.notice = Some(Notice { text: error.to_string(), error: true });
+        self.tell(error.to_string(), true);
         if self.ready.is_none() {
             self.failure = Some(error);
         }
+    }
+
+    fn tell(&mut self, text: String, error: bool) {
+        (self.notice, self.told) = (Some(Notice { text, error }), self.told + 1);
     }
 
     /// Takes over a structure that is done, if its triangles are still those of the scene.
@@ -394,6 +402,11 @@ impl Stage {
     /// The device.
     pub fn device(&self) -> &Device {
         &self.device
+    }
+
+    /// Grows with each notice.
+    pub(super) fn told(&self) -> u64 {
+        self.told
     }
 
     /// What went wrong last.

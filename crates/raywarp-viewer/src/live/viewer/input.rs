@@ -14,8 +14,16 @@ use crate::live::{Button, Event, Notice, Outcome, Stage};
 impl Viewer {
     /// Takes an event; returns what the front end has to do.
     pub fn handle(&mut self, stage: &mut Stage, event: &Event) -> Vec<Outcome> {
-        if matches!(event, Event::Key { down: true, .. } | Event::Button { down: true, .. } | Event::Set { .. } | Event::Reset { .. }) {
+        if matches!(
+            event,
+            Event::Key { down: true, .. } | Event::Button { down: true, .. } | Event::Set { .. } | Event::Reset { .. }
+        ) {
             self.notice = None;
+            // What went wrong stays until it is mended, or put aside.
+            let aside = keys::action(event) == Some(Action::Escape);
+            if aside || stage.notice().is_some_and(|notice| !notice.error) {
+                self.read = stage.told();
+            }
         }
         match event {
             Event::Resize { width, height } => {

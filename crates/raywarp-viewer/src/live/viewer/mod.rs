@@ -4,6 +4,7 @@ mod input;
 mod rendering;
 mod save;
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use raywarp::backend::Staging;
@@ -57,10 +58,12 @@ pub struct Viewer {
     moved: Option<Duration>,
     last: Option<Duration>,
     staging: Staging<u32>,
-    shown: Option<Picture>,
+    shown: Option<Arc<Picture>>,
     meter: Meter,
     legend: Option<Legend>,
     notice: Option<Notice>,
+    /// Notices of the stage that were there when something was done after them.
+    read: u64,
 }
 
 /// How much of the picture has to be made anew.
@@ -99,6 +102,7 @@ impl Viewer {
             meter: Meter::default(),
             legend: None,
             notice: None,
+            read: 0,
         }
     }
 
@@ -155,7 +159,7 @@ impl Viewer {
         let built = ready.map(|ready| ready.tracer.structure());
         Status {
             busy: stage.busy(),
-            notice: self.notice.clone().or_else(|| stage.notice().cloned()),
+            notice: self.notice.clone().or_else(|| stage.notice().filter(|_| self.read < stage.told()).cloned()),
             scene: stage.name(),
             device: stage.device().description(),
             accel: built.map_or(String::new(), |built| format!("{}, {}", built.kind, built.quality)),

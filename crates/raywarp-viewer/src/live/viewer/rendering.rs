@@ -1,5 +1,6 @@
 //! Pictures: small ones while something moves, then the whole one sample by sample, and debug views.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use raywarp::render::{Film, Quantity, RenderOptions, Tracer};
@@ -26,7 +27,7 @@ impl Viewer {
     ///
     /// # Errors
     /// [`ViewerError`] where the device fails.
-    pub fn frame(&mut self, stage: &mut Stage, now: Duration) -> Result<Option<Picture>, ViewerError> {
+    pub fn frame(&mut self, stage: &mut Stage, now: Duration) -> Result<Option<Arc<Picture>>, ViewerError> {
         stage.poll();
         let Some(ready) = stage.ready() else { return Ok(None) };
         self.catch_up(stage, ready);
@@ -49,7 +50,8 @@ impl Viewer {
             None => self.refine(&ready.tracer, &camera)?,
         };
         self.meter.end();
-        self.shown = Some(picture.clone());
+        let picture = Arc::new(picture);
+        self.shown = Some(Arc::clone(&picture));
         Ok(Some(picture))
     }
 
@@ -103,8 +105,11 @@ impl Viewer {
                 self.meter.exposed(tracer.expose(&mut film, camera, &options, budget)?)
             }
         };
-        if film.samples() > 0 && !self.meter.knows_rays() {
-            self.meter.count_rays(tracer, camera, &options)?;
+        if self.lacks == Lacks::Everything {
+            self.meter.changed();
+        }
+        if film.samples() > 0 {
+            self.meter.count_rays(tracer, camera, &options, film.rate())?;
         }
         film.develop(&self.look.development, self.moving.as_ref())?;
         self.meter.samples([film.samples(), options.spp], self.size);
@@ -138,7 +143,10 @@ impl Viewer {
 
     fn fetch(&mut self, tracer: &Tracer, film: &Film, settled: bool) -> Result<Picture, ViewerError> {
         self.staging.fetch(tracer.device(), film.screen())?;
-        let rgba = self.staging.iter().flat_map(|pixel| pixel.to_le_bytes()).collect();
+        let mut rgba = vec![0; 4 * self.staging.len()];
+        rgba.chunks_exact_mut(4)
+            .zip(self.staging.iter())
+            .for_each(|(to, pixel)| to.copy_from_slice(&pixel.to_le_bytes()));
         Ok(Picture { size: film.size(), rgba, settled })
     }
 }
