@@ -64,7 +64,7 @@ mod tests {
         let device = || DeviceError::NoDevice;
         assert!(of_device(ViewerError::Device(device()).into()));
         assert!(of_device(ViewerError::Render(RenderError::Device(device())).into()));
-        assert!(!of_device(ServeError::Scene("no such file".to_owned())));
+        assert!(!of_device(ViewerError::Lost("reading").into()));
     }
 
     #[test]

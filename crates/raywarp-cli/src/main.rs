@@ -19,7 +19,6 @@ mod say;
 mod serve;
 mod values;
 mod view;
-mod viewpoint;
 
 use std::process::ExitCode;
 

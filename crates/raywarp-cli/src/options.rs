@@ -8,7 +8,9 @@ use raywarp::backend::{Device, DeviceChoice};
 use raywarp::image::{Layer, ToneMap};
 use raywarp::query::files::{Format, Mode};
 use raywarp::render::{MAX_DEPTH, MAX_SPP};
-use raywarp::scene::{RenderDefaults, Scene};
+use raywarp::scene::{RenderDefaults, Scene, Viewpoint};
+use raywarp_viewer::live::look::MAX_SAMPLES;
+use raywarp_viewer::live::StageOptions;
 
 pub use crate::bench::BenchOptions;
 pub use crate::frames::FrameOptions;
@@ -122,13 +124,6 @@ pub struct RenderOptions {
     /// Picture file, .png (sRGB) or .exr (linear), or - for PNG to standard output; may be repeated; none: raywarp.png
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub output: Vec<PathBuf>,
-    /// Brighten by EV stops, in PNG only: EXR holds the radiance itself [default: the scene file's, else 0]
-    #[arg(long, value_name = "EV", allow_hyphen_values = true, value_parser = values::exposure)]
-    #[arg(help_heading = "Output")]
-    pub exposure: Option<f32>,
-    /// What PNG does with radiance above 1: clamp, filmic [default: the scene file's, else clamp]
-    #[arg(long, value_name = "CURVE", help_heading = "Output")]
-    pub tone_map: Option<ToneMap>,
     /// Layers, with commas: depth, normal, albedo, uv, position, primitive, material, tests; within an EXR, beside a
     /// PNG in false colours as NAME.LAYER.png
     #[arg(long, value_name = "LIST", value_delimiter = ',', help_heading = "Output")]
@@ -151,41 +146,11 @@ pub struct RenderOptions {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
     #[arg(help_heading = "Picture")]
     pub spp: Option<u32>,
-    /// Mirrored and refracted rays in a row, 0 to 16 [default: the scene file's, else 5]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_DEPTH)))]
-    #[arg(help_heading = "Picture")]
-    pub max_depth: Option<u32>,
-    /// Let every light reach everything
-    #[arg(long, overrides_with = "shadows", help_heading = "Picture")]
-    pub no_shadows: bool,
-    /// Let lights cast shadows, as they do unless the scene file says otherwise
-    #[arg(long, overrides_with = "no_shadows", help_heading = "Picture")]
-    pub shadows: bool,
-    /// Start of the random numbers that place the samples [default: the scene file's, else 0]
-    #[arg(long, value_name = "N", help_heading = "Picture")]
-    pub seed: Option<u32>,
+    #[command(flatten)]
+    pub shading: ShadingOptions,
 
-    /// A camera of the scene, by its name or its number from 0; none: the first, or one that frames everything
-    #[arg(long, value_name = "NAME|INDEX", help_heading = "Camera")]
-    pub camera: Option<String>,
-    /// Put the camera there
-    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
-    #[arg(help_heading = "Camera")]
-    pub eye: Option<[f32; 3]>,
-    /// Look at this point
-    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
-    #[arg(help_heading = "Camera")]
-    pub target: Option<[f32; 3]>,
-    /// What is up in the picture: a vector or an axis, such as +Z
-    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::direction)]
-    #[arg(help_heading = "Camera")]
-    pub up: Option<[f32; 3]>,
-    /// Vertical field of view in degrees
-    #[arg(long, value_name = "DEGREES", value_parser = values::field_of_view, help_heading = "Camera")]
-    pub fov: Option<f64>,
-    /// Parallel rays, for a picture of this height in scene units
-    #[arg(long, value_name = "HEIGHT", value_parser = values::height, conflicts_with = "fov", help_heading = "Camera")]
-    pub ortho: Option<f32>,
+    #[command(flatten)]
+    pub camera: CameraOptions,
 
     #[command(flatten)]
     pub frames: FrameOptions,
@@ -213,16 +178,8 @@ impl RenderOptions {
 
     /// What was asked for; the scene's wishes and raywarp's own defaults fill the rest.
     pub fn wishes(&self) -> RenderDefaults {
-        RenderDefaults {
-            size: self.size,
-            spp: self.spp,
-            max_depth: self.max_depth,
-            shadows: if self.no_shadows { Some(false) } else { self.shadows.then_some(true) },
-            seed: self.seed,
-            exposure: self.exposure,
-            tone_map: self.tone_map,
-            ..self.machine.wishes()
-        }
+        let own = RenderDefaults { size: self.size, spp: self.spp, ..RenderDefaults::default() };
+        own.or(&self.shading.wishes()).or(&self.machine.wishes())
     }
 }
 
@@ -252,11 +209,39 @@ pub struct ViewOptions {
     pub fullscreen: bool,
 
     #[command(flatten)]
-    pub machine: MachineOptions,
+    pub live: LiveOptions,
 
     /// Take the scene's warnings as errors
     #[arg(long, help_heading = "Messages")]
     pub strict: bool,
+}
+
+/// How a scene is shown to people: options of `view` and `serve`.
+#[derive(Debug, Args)]
+pub struct LiveOptions {
+    /// Samples a pixel that the picture goes up to at rest [default: the scene file's, else 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
+    #[arg(help_heading = "Picture")]
+    pub spp: Option<u32>,
+    #[command(flatten)]
+    pub shading: ShadingOptions,
+    #[command(flatten)]
+    pub camera: CameraOptions,
+    #[command(flatten)]
+    pub machine: MachineOptions,
+}
+
+impl LiveOptions {
+    /// The same in the viewer's words.
+    pub fn stage(&self) -> StageOptions {
+        let own = RenderDefaults { spp: self.spp, ..RenderDefaults::default() };
+        StageOptions {
+            wishes: own.or(&self.shading.wishes()).or(&self.machine.wishes()),
+            viewpoint: self.camera.viewpoint(),
+            cached: !self.machine.no_cache,
+            ..StageOptions::default()
+        }
+    }
 }
 
 /// Options of `query`.
@@ -327,7 +312,7 @@ pub struct ServeOptions {
     pub strict: bool,
 
     #[command(flatten)]
-    pub machine: MachineOptions,
+    pub live: LiveOptions,
 }
 
 /// Options of `info`.
@@ -355,6 +340,79 @@ pub struct CompletionsOptions {
 pub struct ManOptions {
     /// Write raywarp.1, raywarp-render.1 and so on there
     pub directory: Option<PathBuf>,
+}
+
+/// From where to look: options of every command that makes pictures.
+#[derive(Debug, Args)]
+pub struct CameraOptions {
+    /// A camera of the scene, by its name or its number from 0; none: the first, or one that frames everything
+    #[arg(long, value_name = "NAME|INDEX", help_heading = "Camera")]
+    pub camera: Option<String>,
+    /// Put the camera there
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
+    #[arg(help_heading = "Camera")]
+    pub eye: Option<[f32; 3]>,
+    /// Look at this point
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
+    #[arg(help_heading = "Camera")]
+    pub target: Option<[f32; 3]>,
+    /// What is up in the picture: a vector or an axis, such as +Z
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::direction)]
+    #[arg(help_heading = "Camera")]
+    pub up: Option<[f32; 3]>,
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEGREES", value_parser = values::field_of_view, help_heading = "Camera")]
+    pub fov: Option<f64>,
+    /// Parallel rays, for a picture of this height in scene units
+    #[arg(long, value_name = "HEIGHT", value_parser = values::height, conflicts_with = "fov", help_heading = "Camera")]
+    pub ortho: Option<f32>,
+}
+
+impl CameraOptions {
+    /// The same in the library's words.
+    pub fn viewpoint(&self) -> Viewpoint {
+        let (eye, target, up, fov) = (self.eye, self.target, self.up, self.fov);
+        Viewpoint { camera: self.camera.clone(), eye, target, up, fov, height: self.ortho }
+    }
+}
+
+/// How light goes and how it is shown: options of every command that makes pictures.
+#[derive(Debug, Args)]
+pub struct ShadingOptions {
+    /// Mirrored and refracted rays in a row, 0 to 16 [default: the scene file's, else 5]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_DEPTH)))]
+    #[arg(help_heading = "Picture")]
+    pub max_depth: Option<u32>,
+    /// Let every light reach everything
+    #[arg(long, overrides_with = "shadows", help_heading = "Picture")]
+    pub no_shadows: bool,
+    /// Let lights cast shadows, as they do unless the scene file says otherwise
+    #[arg(long, overrides_with = "no_shadows", help_heading = "Picture")]
+    pub shadows: bool,
+    /// Start of the random numbers that place the samples [default: the scene file's, else 0]
+    #[arg(long, value_name = "N", help_heading = "Picture")]
+    pub seed: Option<u32>,
+    /// Brighten by EV stops, in PNG only: EXR holds the radiance itself [default: the scene file's, else 0]
+    #[arg(long, value_name = "EV", allow_hyphen_values = true, value_parser = values::exposure)]
+    #[arg(help_heading = "Picture")]
+    pub exposure: Option<f32>,
+    /// What PNG does with radiance above 1: clamp, filmic [default: the scene file's, else clamp]
+    #[arg(long, value_name = "CURVE", help_heading = "Picture")]
+    pub tone_map: Option<ToneMap>,
+}
+
+impl ShadingOptions {
+    /// What was asked for.
+    pub fn wishes(&self) -> RenderDefaults {
+        RenderDefaults {
+            max_depth: self.max_depth,
+            shadows: if self.no_shadows { Some(false) } else { self.shadows.then_some(true) },
+            seed: self.seed,
+            exposure: self.exposure,
+            tone_map: self.tone_map,
+            ..RenderDefaults::default()
+        }
+    }
 }
 
 /// Where to trace, and through what: options of every command that traces a scene.
@@ -393,7 +451,8 @@ impl MachineOptions {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
+    use clap::{CommandFactory, Parser};
+    use raywarp::scene::{degrees, Camera, Projection};
 
     #[test]
     fn the_definitions_are_consistent() {
@@ -426,5 +485,29 @@ mod tests {
             assert!(help.ends_with(&format!("[default: the scene file's, else {default}]")), "{help}");
         }
         assert!(usual.shadows && RenderDefaults::default().options() == usual);
+    }
+
+    fn asked(words: &[&str]) -> Result<Camera, clap::Error> {
+        let options = super::RenderOptions::try_parse_from([&["render"], words].concat())?;
+        let projection = Projection::Perspective { fov_y: 0.5 };
+        let camera = Camera { name: String::new(), eye: [0.0; 3], target: [0.0; 3], up: [0.0; 3], projection };
+        Ok(options.camera.viewpoint().adjust(camera))
+    }
+
+    #[test]
+    fn every_angle_can_be_asked_for() {
+        for i in 1..2000 {
+            let fov_y = 0.0015 * i as f32;
+            let camera = asked(&["--fov", &degrees(fov_y).to_string()]).unwrap();
+            assert_eq!(camera.projection, Projection::Perspective { fov_y });
+        }
+    }
+
+    #[test]
+    fn parallel_rays_have_a_height_and_no_angle() {
+        let camera = asked(&["--eye", "-1e-9,2,3.5e20", "--ortho", "2.5"]).unwrap();
+        assert_eq!((camera.eye, camera.projection), ([-1e-9, 2.0, 3.5e20], Projection::Orthographic { height: 2.5 }));
+        assert!(asked(&["--ortho", "2.5", "--fov", "40"]).is_err());
+        assert!(asked(&["--ortho", "0"]).is_err());
     }
 }

@@ -14,7 +14,7 @@ use serde::Serialize;
 use crate::interrupt::Interrupt;
 use crate::options::QueryOptions;
 use crate::progress::{Bar, Words};
-use crate::render::{limit_threads, read, refuse_dropped};
+use crate::render::{limit_threads, read};
 use crate::say;
 
 /// Rays that are read, asked and put aside at once: 128 MiB of them.
@@ -33,7 +33,7 @@ pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
     let device = Device::open(options.machine.device)?;
     let what = options.machine.build(&loaded.scene, &device);
     let caster = RayCaster::from_scene(&loaded.scene, what, &device)?;
-    refuse_dropped(options.strict, &caster.report().dropped)?;
+    caster.report().dropped.allow(options.strict)?;
     if !options.quiet {
         say::warnings(&loaded.warnings);
         say::dropped(&caster.report().dropped);

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Context;
-use raywarp::accel::{Build, Dropped};
+use raywarp::accel::Build;
 use raywarp::backend::Device;
 use raywarp::image::Layers;
 use raywarp::render::{self, Progress, Rendering, Tracer};
@@ -18,7 +18,6 @@ use crate::output::{Plan, Results};
 use crate::progress::{Bar, Words};
 use crate::report::{SceneCounts, Seconds, Statistics};
 use crate::say;
-use crate::viewpoint;
 
 /// Renders a scene to files.
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
@@ -75,24 +74,13 @@ pub fn limit_threads(threads: Option<u32>) -> anyhow::Result<()> {
     pool.build_global().with_context(|| format!("cannot start {threads} threads"))
 }
 
-/// With `--strict`, triangles that cannot be hit are an error as every other warning is.
-pub fn refuse_dropped(strict: bool, dropped: &Dropped) -> anyhow::Result<()> {
-    let count = dropped.without_area + dropped.not_finite;
-    anyhow::ensure!(
-        !strict || count == 0,
-        "triangles without area or with coordinates that are not finite, {count} of them, would be dropped (an error \
-         because of --strict); mend the scene or leave --strict out"
-    );
-    Ok(())
-}
-
 fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: &Tracer) {
     if options.quiet {
         return;
     }
     say::warnings(&loaded.warnings);
     say::dropped(&tracer.report().dropped);
-    let aimed = options.eye.is_some() && options.target.is_some() || options.frames.path.is_some();
+    let aimed = options.camera.eye.is_some() && options.camera.target.is_some() || options.frames.path.is_some();
     for note in tracer.report().notes.iter().filter(|note| !(aimed && note.contains("framed"))) {
         say::line(&format!("note: {note}"));
     }
@@ -117,13 +105,14 @@ pub struct Stage<'a> {
 impl<'a> Stage<'a> {
     /// Builds the tree and says what there is to say about the scene.
     pub fn set(options: &'a RenderOptions, wishes: RenderDefaults, loaded: &'a Loaded) -> anyhow::Result<Self> {
-        let chosen = options.camera.as_deref().map(|name| viewpoint::named(&loaded.scene.cameras, name)).transpose()?;
+        let viewpoint = options.camera.viewpoint();
+        let named = viewpoint.named(&loaded.scene.cameras)?;
         let device = Device::open(options.machine.device)?;
         let what = options.machine.build(&loaded.scene, &device);
         let tracer = Tracer::new(&loaded.scene, what, &device)?;
-        refuse_dropped(options.strict, &tracer.report().dropped)?;
+        tracer.report().dropped.allow(options.strict)?;
         say_notes(options, loaded, &device, &tracer);
-        let camera = viewpoint::adjusted(chosen.unwrap_or(tracer.default_camera()).clone(), &options.into());
+        let camera = viewpoint.adjust(named.unwrap_or(tracer.default_camera()).clone());
         Ok(Self { options, camera, tracer, wishes, loaded, device, what })
     }
 
@@ -131,7 +120,7 @@ impl<'a> Stage<'a> {
     pub fn has_target(&self) -> bool {
         let extension = self.options.scene.as_deref().and_then(Path::extension).unwrap_or_default();
         let is_gltf = ["gltf", "glb"].iter().any(|gltf| extension.eq_ignore_ascii_case(gltf));
-        self.options.target.is_some() || self.loaded.scene.cameras.is_empty() || !is_gltf
+        self.options.camera.target.is_some() || self.loaded.scene.cameras.is_empty() || !is_gltf
     }
 
     /// What is known before any picture of a size is taken.

@@ -1,7 +1,7 @@
 //! `raywarp serve`.
 
 use raywarp::backend::Device;
-use raywarp_viewer::live::{Source, Stage, StageOptions};
+use raywarp_viewer::live::{Source, Stage};
 use raywarp_viewer::serve::{self, Server, Token};
 
 use crate::interrupt::{self, INTERRUPTED};
@@ -13,22 +13,16 @@ use crate::say;
 pub fn run(options: &ServeOptions) -> anyhow::Result<()> {
     // The port comes first: that it is taken should not be told after minutes of reading a scene.
     let server = Server::bind(settings(options)?)?;
-    limit_threads(options.machine.threads)?;
-    let device = Device::open(options.machine.device)?;
+    let machine = &options.live.machine;
+    limit_threads(machine.threads)?;
+    let device = Device::open(machine.device)?;
     say::fallback(&device);
     announce(&server, options)?;
 
     let stopper = server.stopper();
     interrupt::once(move || stopper.stop());
-    let machine = &options.machine;
-    let how = StageOptions {
-        accel: machine.accel,
-        quality: machine.tree.unwrap_or_default(),
-        cached: !machine.no_cache,
-        ..StageOptions::default()
-    };
     let source = Source { path: options.scene.clone(), strict: options.strict, watch: options.watch };
-    server.run(|| Stage::open(source, device, how))?;
+    server.run(|| Stage::open(source, device, options.live.stage()))?;
     std::process::exit(INTERRUPTED)
 }
 

@@ -1,7 +1,7 @@
 //! `raywarp view`.
 
 use raywarp::backend::Device;
-use raywarp_viewer::live::{Source, Stage, StageOptions, Viewer};
+use raywarp_viewer::live::{Source, Stage, Viewer};
 use raywarp_viewer::window::{self, Display, WindowOptions};
 
 use crate::interrupt::Interrupt;
@@ -14,11 +14,11 @@ pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
     let display = Display::open()?;
     let interrupt = Interrupt::install();
     let folder = std::env::current_dir()?;
-    limit_threads(options.machine.threads)?;
+    limit_threads(options.live.machine.threads)?;
 
-    let device = Device::open(options.machine.device)?;
+    let device = Device::open(options.live.machine.device)?;
     say::fallback(&device);
-    let stage = Stage::open(source(options), device, stage_options(options));
+    let stage = Stage::open(source(options), device, options.live.stage());
     let keep = move |name: &str, content: &[u8]| {
         let _held = interrupt.hold();
         window::keep(&folder, name, content)
@@ -29,14 +29,4 @@ pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
 
 fn source(options: &ViewOptions) -> Source {
     Source { path: options.scene.clone(), strict: options.strict, watch: options.watch }
-}
-
-fn stage_options(options: &ViewOptions) -> StageOptions {
-    let machine = &options.machine;
-    StageOptions {
-        accel: machine.accel,
-        quality: machine.tree.unwrap_or_default(),
-        cached: !machine.no_cache,
-        ..StageOptions::default()
-    }
 }

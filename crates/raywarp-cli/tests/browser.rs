@@ -75,7 +75,6 @@ fn a_page_shows_the_scene_and_follows_the_user() {
 
     // The picture follows the pointer, and the page knows how long that took.
     browser.drag([300, 200], [420, 260]);
-    browser.wheel(-200);
     browser.wait(&format!("{PIXELS} !== {first}"));
     browser.wait(LOSSLESS);
     browser.wait("window.raywarp.stats.latency_ms.median > 0 && window.raywarp.stats.frames > 2");

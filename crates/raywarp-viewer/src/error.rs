@@ -1,9 +1,10 @@
 //! What can go wrong in a viewer.
 
+use raywarp::accel::Unhittable;
 use raywarp::backend::DeviceError;
 use raywarp::image::ImageError;
 use raywarp::render::RenderError;
-use raywarp::scene::LoadError;
+use raywarp::scene::{LoadError, UnknownCamera};
 
 /// Why there is nothing to see.
 #[derive(Debug, thiserror::Error)]
@@ -18,6 +19,15 @@ pub enum ViewerError {
     /// The device fails.
     #[error(transparent)]
     Device(#[from] DeviceError),
+    /// The scene does not have the camera that is asked for.
+    #[error(transparent)]
+    Camera(#[from] UnknownCamera),
+    /// Triangles would be dropped that are not to be.
+    #[error(transparent)]
+    Unhittable(#[from] Unhittable),
+    /// Work beside the loop ended without a result.
+    #[error("{0} failed without a word: this is a fault of raywarp; please report what the terminal says")]
+    Lost(&'static str),
     /// The picture cannot be encoded.
     #[error(transparent)]
     Image(#[from] ImageError),

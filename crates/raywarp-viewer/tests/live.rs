@@ -1,74 +1,20 @@
 //! The interactive core as a front end uses it, on the CPU or on the device that `RAYWARP_TEST_DEVICE` names.
 
+mod session;
+
 use std::time::{Duration, Instant};
 
 use raywarp::accel::{AccelKind, Quality};
-use raywarp::backend::Device;
-use raywarp::image::{png, Development};
+use raywarp::image::Development;
 use raywarp::render::{RenderOptions, Tracer};
-use raywarp::scene::{load, Camera};
-use raywarp_viewer::live::{Button, Event, Modifiers, Outcome, Picture, Source, Stage, StageOptions, Viewer};
-
-const SIZE: [u32; 2] = [96, 54];
-const SPP: u32 = 4;
-
-fn device() -> Device {
-    let name = std::env::var("RAYWARP_TEST_DEVICE").unwrap_or_else(|_| "cpu".to_owned());
-    Device::open(name.parse().expect("RAYWARP_TEST_DEVICE names a device")).expect("the device under test opens")
-}
-
-struct Session {
-    stage: Stage,
-    viewer: Viewer,
-    start: Instant,
-}
+use raywarp::scene::{load, Camera, RenderDefaults};
+use raywarp_viewer::live::{Event, Modifiers, Outcome, Source, Stage, StageOptions};
+use raywarp_viewer::ViewerError;
+use session::{developed, device, Session, SIZE, SPP};
 
 impl Session {
     fn new(options: StageOptions) -> Self {
-        let stage = Stage::open(Source::default(), device(), options);
-        let mut viewer = Viewer::new(SIZE);
-        viewer.look_mut().spp = SPP;
-        Self { stage, viewer, start: Instant::now() }
-    }
-
-    fn handle(&mut self, event: Event) -> Vec<Outcome> {
-        self.viewer.handle(&mut self.stage, &event)
-    }
-
-    fn frame(&mut self) -> Option<Picture> {
-        self.viewer.frame(&mut self.stage, self.start.elapsed()).expect("the device works")
-    }
-
-    /// Pictures until one is settled.
-    fn settle(&mut self) -> Vec<Picture> {
-        let (mut pictures, begin) = (Vec::new(), Instant::now());
-        while !pictures.last().is_some_and(|picture: &Picture| picture.settled) {
-            assert!(
-                begin.elapsed() < Duration::from_secs(60),
-                "it never settles: {:?}",
-                self.viewer.status(&self.stage)
-            );
-            match self.frame() {
-                Some(picture) => pictures.push(picture),
-                None => std::thread::sleep(Duration::from_millis(1)),
-            }
-        }
-        pictures
-    }
-
-    fn key(&mut self, key: &str, down: bool) -> Vec<Outcome> {
-        self.handle(Event::Key { key: key.to_owned(), down, modifiers: Modifiers::default() })
-    }
-
-    fn drag(&mut self, x: f32) {
-        let button = |down| Event::Button { button: Button::Left, down, modifiers: Modifiers::default() };
-        self.handle(Event::Pointer { x: 0.5, y: 0.5 });
-        self.handle(button(true));
-        self.handle(Event::Pointer { x, y: 0.5 });
-    }
-
-    fn drop_it(&mut self) {
-        self.handle(Event::Button { button: Button::Left, down: false, modifiers: Modifiers::default() });
+        Self::open(Source::default(), options)
     }
 }
 
@@ -77,8 +23,7 @@ fn rendered(camera: Option<&Camera>, options: &RenderOptions, development: &Deve
     let scene = load::builtin().unwrap().scene;
     let tracer = Tracer::new(&scene, AccelKind::Bvh2, &device()).unwrap();
     let options = RenderOptions { size: SIZE, spp: SPP, ..*options };
-    let picture = tracer.render(camera.unwrap_or(tracer.default_camera()), &options, &mut |_| ()).unwrap().picture;
-    png::develop(&picture, development).pixels.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect()
+    developed(&tracer, camera.unwrap_or(tracer.default_camera()), &options, development)
 }
 
 #[test]
@@ -161,7 +106,7 @@ fn every_view_is_one_key_away_and_costs_have_a_scale() {
         session.key(key, true);
         let view = session.settle().pop().unwrap();
         assert!(!seen.contains(&view.rgba), "{name} is like another");
-        seen.push(view.rgba);
+        seen.push(view.rgba.clone());
         let status = session.viewer.status(&session.stage);
         let legend = status.legend.expect("a legend");
         assert_eq!((status.view.as_str(), legend.title.is_empty()), (name, false));
@@ -174,7 +119,11 @@ fn every_view_is_one_key_away_and_costs_have_a_scale() {
 #[test]
 fn a_better_tree_takes_over_without_a_change_of_the_picture() {
     for (accel, quality) in [(None, Quality::High), (Some(AccelKind::Kd), Quality::Medium)] {
-        let mut session = Session::new(StageOptions { accel, quality, cached: false, at_once: 0 });
+        let mut session = Session::new(StageOptions {
+            wishes: RenderDefaults { accel, tree: Some(quality), ..RenderDefaults::default() },
+            at_once: 0,
+            ..StageOptions::default()
+        });
         let first = session.settle().pop().unwrap();
         let begin = Instant::now();
         while session.stage.busy().is_some() {
@@ -211,6 +160,7 @@ fn a_scene_that_cannot_be_read_is_a_notice() {
         assert!(begin.elapsed() < Duration::from_secs(10));
         stage.poll();
     }
+    assert!(matches!(stage.take_failure(), Some(ViewerError::Load(_))));
     let notice = stage.notice().expect("a notice");
     assert!(notice.error && notice.text.contains("no-such-scene.obj"), "{notice:?}");
     assert!(!stage.is_ready());

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use common::{event, hello, impatient, own_stage, wheel, House, News, LONG, SIZE};
 use raywarp_viewer::live::Viewer;
 use raywarp_viewer::serve::{ServeError, ServeOptions, Server, Token, PROTOCOL};
+use raywarp_viewer::ViewerError;
 use serde_json::{json, Value};
 use tungstenite::{Error, Message};
 
@@ -21,7 +22,7 @@ fn settled_pixels() -> Vec<u8> {
     while start.elapsed() < LONG {
         stage.poll();
         match viewer.frame(&mut stage, start.elapsed()).unwrap() {
-            Some(picture) if picture.settled => return picture.rgba,
+            Some(picture) if picture.settled => return picture.rgba.clone(),
             _ => {}
         }
     }
@@ -367,7 +368,10 @@ fn clients_are_told_when_the_server_ends() {
 fn a_scene_that_cannot_be_read_ends_the_server_with_a_sentence() {
     let house = House::with_scene(ServeOptions::default(), "version = 1\nnonsense = 2\n");
     let error = house.join().unwrap_err();
-    assert!(matches!(&error, ServeError::Scene(text) if text.contains("scene.toml")), "{error}");
+    assert!(
+        matches!(&error, ServeError::Viewer(ViewerError::Load(_))) && error.to_string().contains("scene.toml"),
+        "{error}"
+    );
 }
 
 #[test]

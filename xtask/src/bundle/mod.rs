@@ -11,8 +11,14 @@ use serde_json::Value;
 
 use crate::process;
 
-/// Integration tests of the crate `raywarp` that run on CUDA when asked to.
-const GPU_TESTS: [&str; 2] = ["conformance", "shading"];
+/// Integration tests that run on CUDA when asked to: package and name.
+const GPU_TESTS: [[&str; 2]; 5] = [
+    ["raywarp", "conformance"],
+    ["raywarp", "shading"],
+    ["raywarp", "films"],
+    ["raywarp-viewer", "live"],
+    ["raywarp-viewer", "edits"],
+];
 
 /// Most bytes that are still easily copied.
 const LIMIT: u64 = 40_000_000;
@@ -31,8 +37,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let tests = folder.join("tests");
     fs::create_dir_all(&tests).with_context(|| format!("cannot make {}", folder.display()))?;
     copy_program(&program(&root)?, &folder.join("raywarp"))?;
-    for name in GPU_TESTS {
-        copy_program(&test(&root, name)?, &tests.join(name))?;
+    for [package, name] in GPU_TESTS {
+        copy_program(&test(&root, package, name)?, &tests.join(name))?;
     }
     copy_scenes(&root, folder)?;
     write_script(&folder.join("run-gpu-tests.sh"))?;
@@ -44,8 +50,8 @@ fn program(root: &Path) -> Result<PathBuf> {
     executable(root, &["build", "--package", "raywarp-cli"], "raywarp")
 }
 
-fn test(root: &Path, name: &str) -> Result<PathBuf> {
-    executable(root, &["test", "--no-run", "--package", "raywarp", "--test", name], name)
+fn test(root: &Path, package: &str, name: &str) -> Result<PathBuf> {
+    executable(root, &["test", "--no-run", "--package", package, "--test", name], name)
 }
 
 /// Builds, and asks cargo where it put the program.

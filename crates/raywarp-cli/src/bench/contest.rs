@@ -16,7 +16,6 @@ use super::peers::Peer;
 use super::results::{differing, Agreement, PeerRow, Results, Row, Speed, Task};
 use super::suite::Subject;
 use crate::say;
-use crate::viewpoint::adjusted;
 
 /// Rays of a kind that are counted at most.
 const COUNTED: usize = 100_000;
@@ -59,7 +58,7 @@ impl Contest<'_> {
     pub fn measure(&mut self, subject: &Subject, scene: &Scene, results: &mut Results) -> anyhow::Result<()> {
         let triangles = opaque_triangles(scene)?;
         anyhow::ensure!(!triangles.is_empty(), "the scene '{}' has no triangle that a ray can hit", subject.name);
-        let camera = adjusted(default_camera(scene, &triangles), &subject.view);
+        let camera = subject.view.adjust(default_camera(scene, &triangles));
         let source = RaySource::new(&triangles, &camera, self.options.size)?;
         let entrants = self.entrants(&subject.name, &triangles)?;
         self.show_scene(&triangles, results)?;

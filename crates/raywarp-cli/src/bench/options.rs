@@ -6,9 +6,9 @@ use clap::Args;
 use raywarp::accel::{AccelKind, Quality};
 use raywarp::backend::DeviceChoice;
 use raywarp::query::RayKind;
+use raywarp::scene::Viewpoint;
 
 use crate::values;
-use crate::viewpoint::View;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -117,7 +117,8 @@ pub struct BenchOptions {
 
 impl BenchOptions {
     /// What is to be different about the camera.
-    pub fn view(&self) -> View {
-        View { eye: self.eye, target: self.target, up: self.up, fov: self.fov, ortho: None }
+    pub fn view(&self) -> Viewpoint {
+        let (eye, target, up, fov) = (self.eye, self.target, self.up, self.fov);
+        Viewpoint { eye, target, up, fov, ..Viewpoint::default() }
     }
 }

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use raywarp::scene::Viewpoint;
 use serde::Deserialize;
 
 use super::options::BenchOptions;
 use crate::values;
-use crate::viewpoint::View;
 
 /// Name of the scene without a file.
 pub const BUILT_IN: &str = "built-in";
@@ -20,7 +20,7 @@ pub struct Subject {
     /// None: the built-in scene.
     pub file: Option<PathBuf>,
     /// What is different about its camera.
-    pub view: View,
+    pub view: Viewpoint,
     /// Whether it may be left out if the file is not there.
     pub optional: bool,
 }
@@ -57,7 +57,7 @@ pub fn subjects(options: &BenchOptions) -> anyhow::Result<Vec<Subject>> {
 
 fn of_files(options: &BenchOptions) -> anyhow::Result<Vec<Subject>> {
     let view = options.view();
-    let particular = options.name.is_some() || view != View::default();
+    let particular = options.name.is_some() || view != Viewpoint::default();
     anyhow::ensure!(
         options.scenes.len() < 2 || !particular,
         "--name, --eye, --target, --up and --fov are for one scene, and there are {}; measure them one by one, or write \
@@ -67,7 +67,7 @@ fn of_files(options: &BenchOptions) -> anyhow::Result<Vec<Subject>> {
     let subject = |file: Option<&PathBuf>| {
         let stem = file.map_or(BUILT_IN.into(), |file| file.file_stem().unwrap_or_default().to_string_lossy());
         let name = options.name.clone().unwrap_or(stem.into_owned());
-        Subject { name, file: file.cloned(), view, optional: false }
+        Subject { name, file: file.cloned(), view: view.clone(), optional: false }
     };
     Ok(match options.scenes.is_empty() {
         true => vec![subject(None)],
@@ -95,7 +95,8 @@ impl Entry {
             let checked = values::field_of_view(&fov.to_string());
             checked.map_err(|reason| anyhow::anyhow!("the fov of '{}' is {fov}: {reason}", self.name))?;
         }
-        let view = View { eye: self.eye, target: self.target, up: self.up, fov: self.fov, ortho: None };
+        let (eye, target, up, fov) = (self.eye, self.target, self.up, self.fov);
+        let view = Viewpoint { eye, target, up, fov, ..Viewpoint::default() };
         Ok(Subject { name: self.name, file: Some(models.join(self.file)), view, optional: true })
     }
 }

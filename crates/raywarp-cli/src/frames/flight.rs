@@ -1,12 +1,11 @@
 //! From the number of a frame to its camera.
 
 use raywarp::render::check_camera;
-use raywarp::scene::{Camera, CameraPath};
+use raywarp::scene::{Camera, CameraPath, Viewpoint};
 
 use super::orbit::{nearest_in_sight, Orbit};
 use super::range::Range;
 use crate::render::Stage;
-use crate::viewpoint::{self, View};
 
 /// A camera in motion.
 pub struct Flight {
@@ -17,7 +16,7 @@ pub struct Flight {
 
 enum Way {
     Orbit(Orbit, f64),
-    Path(CameraPath, View),
+    Path(CameraPath, Viewpoint),
 }
 
 impl Flight {
@@ -25,7 +24,7 @@ impl Flight {
     pub fn new(stage: &Stage, path: Option<&CameraPath>, whole: Range) -> Self {
         let options = stage.options;
         let way = match path {
-            Some(path) => Way::Path(path.clone(), options.into()),
+            Some(path) => Way::Path(path.clone(), options.camera.viewpoint()),
             None => Way::Orbit(orbit(stage), options.frames.orbit.unwrap_or_default()),
         };
         Self { way, whole }
@@ -35,7 +34,7 @@ impl Flight {
     pub fn camera(&self, frame: u32) -> Camera {
         match &self.way {
             Way::Orbit(orbit, degrees) => orbit.turned(degrees * self.share(frame, degrees % 360.0 == 0.0)),
-            Way::Path(path, view) => viewpoint::adjusted(path.at_share(self.share(frame, path.is_closed())), view),
+            Way::Path(path, view) => view.adjust(path.at_share(self.share(frame, path.is_closed()))),
         }
     }
 
@@ -74,7 +73,7 @@ fn orbit(stage: &Stage) -> Orbit {
         // Any point of the line of sight gives the same first frame; this one keeps the scene in sight.
         false => nearest_in_sight(&camera, middle(stage.tracer.report().bounds)),
     };
-    Orbit { centre, axis: options.up.unwrap_or([0.0, 1.0, 0.0]), camera }
+    Orbit { centre, axis: options.camera.up.unwrap_or([0.0, 1.0, 0.0]), camera }
 }
 
 fn middle([low, high]: [[f32; 3]; 2]) -> [f32; 3] {

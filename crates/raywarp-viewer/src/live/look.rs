@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use raywarp::image::{Development, ToneMap};
 use raywarp::render::{RenderOptions, MAX_DEPTH};
+use raywarp::scene::RenderDefaults;
 
 use super::keys::Action;
 
@@ -107,6 +108,8 @@ pub struct Look {
     pub shadows: bool,
     /// Samples a pixel that a picture at rest goes up to.
     pub spp: u32,
+    /// Changes the random numbers.
+    pub seed: u32,
     /// Whether the picture keeps its size and all samples while the camera moves.
     pub reference: bool,
     /// Frames a second to aim at while the camera moves.
@@ -121,7 +124,7 @@ pub struct Look {
 
 impl Default for Look {
     fn default() -> Self {
-        let RenderOptions { max_depth, shadows, .. } = RenderOptions::default();
+        let RenderOptions { max_depth, shadows, seed, .. } = RenderOptions::default();
         Self {
             view: View::Picture,
             boxes: None,
@@ -129,6 +132,7 @@ impl Default for Look {
             max_depth,
             shadows,
             spp: 64,
+            seed,
             reference: false,
             frame_rate: 60.0,
             help: false,
@@ -152,6 +156,39 @@ pub enum Changed {
 }
 
 impl Look {
+    /// The options that a scene or a command line asks for, and where they are silent the usual ones.
+    pub fn of(wishes: &RenderDefaults) -> Self {
+        let usual = Self::default();
+        let RenderOptions { max_depth, shadows, seed, .. } = wishes.options();
+        let (spp, development) = (wishes.spp.unwrap_or(usual.spp), wishes.development());
+        Self { max_depth, shadows, seed, spp, development, ..usual }
+    }
+
+    /// What differs from other options, as a scene file can say it.
+    pub fn wishes(&self, others: &Self) -> RenderDefaults {
+        fn new<T: PartialEq>(now: T, before: T) -> Option<T> {
+            (now != before).then_some(now)
+        }
+        RenderDefaults {
+            spp: new(self.spp, others.spp),
+            max_depth: new(self.max_depth, others.max_depth),
+            shadows: new(self.shadows, others.shadows),
+            seed: new(self.seed, others.seed),
+            exposure: new(self.development.exposure, others.development.exposure),
+            tone_map: new(self.development.tone_map, others.development.tone_map),
+            ..RenderDefaults::default()
+        }
+    }
+
+    /// Takes over what a scene that was read again asks for `now` instead of `before`, where nobody has changed it.
+    pub fn follow(&mut self, before: &Self, now: &Self) {
+        let changed = self.wishes(before);
+        let Self { spp, max_depth, shadows, seed, development, .. } =
+            Self::of(&changed.or(&now.wishes(&Self::default())));
+        (self.spp, self.max_depth, self.shadows, self.seed, self.development) =
+            (spp, max_depth, shadows, seed, development);
+    }
+
     /// Does what a key asks for, if it is about these options.
     pub fn act(&mut self, action: Action) -> Changed {
         match action {
@@ -196,6 +233,7 @@ impl Look {
             spp: self.spp.clamp(1, MAX_SAMPLES),
             max_depth: self.max_depth.min(MAX_DEPTH),
             shadows: self.shadows,
+            seed: self.seed,
             ..RenderOptions::default()
         }
     }
@@ -260,6 +298,20 @@ mod tests {
         look.act(Action::ResetExposure);
         look.act(Action::Darker);
         assert_eq!(look.development.exposure, -0.5);
+    }
+
+    #[test]
+    fn what_nobody_changed_follows_the_file() {
+        let asked = |spp, exposure| Look::of(&RenderDefaults { spp, exposure, ..RenderDefaults::default() });
+        let (before, now) = (asked(Some(4), None), asked(Some(9), Some(1.0)));
+        let mut look = before.clone();
+        (look.max_depth, look.view) = (2, View::Depth);
+        look.follow(&before, &now);
+        assert_eq!((look.spp, look.development.exposure, look.max_depth, look.view), (9, 1.0, 2, View::Depth));
+        look.development.exposure = -3.0;
+        assert_eq!(look.wishes(&now).to_string(), "max depth 2, exposure -3");
+        look.follow(&now, &asked(None, None));
+        assert_eq!((look.spp, look.development.exposure), (Look::default().spp, -3.0));
     }
 
     #[test]

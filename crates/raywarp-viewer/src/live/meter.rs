@@ -1,6 +1,6 @@
 //! What frames cost.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use raywarp::render::{Exposure, RenderOptions, Tracer};
 use raywarp::scene::Camera;
@@ -8,8 +8,14 @@ use raywarp::scene::Camera;
 use super::Status;
 use crate::ViewerError;
 
-/// Pixels of the picture whose rays are counted, about: enough for a mean, few enough not to be noticed.
-const COUNTED: f64 = 20_000.0;
+/// Pixels of the picture whose rays are counted: enough for a mean, few enough not to be noticed.
+const COUNTED: [f64; 2] = [64.0, 20_000.0];
+
+/// Seconds that this may take.
+const COUNTING: f64 = 0.005;
+
+/// Between two counts.
+const PAUSE: Duration = Duration::from_secs(1);
 
 /// Numbers of the last frame.
 #[derive(Clone, Debug, Default)]
@@ -23,6 +29,9 @@ pub(super) struct Meter {
     traced: [u32; 2],
     /// Rays of all kinds for each camera ray.
     rays: Option<f64>,
+    /// When they were counted, and whether the view is another since.
+    counted: Option<Instant>,
+    view_changed: bool,
 }
 
 impl Meter {
@@ -55,15 +64,26 @@ impl Meter {
         (self.samples, self.traced) = (samples, traced);
     }
 
-    /// Whether rays were counted since the view last changed by much.
-    pub fn knows_rays(&self) -> bool {
-        self.rays.is_some()
+    /// Another view, with other rays.
+    pub fn changed(&mut self) {
+        self.view_changed = true;
     }
 
-    /// Counts the rays of a small picture.
-    pub fn count_rays(&mut self, tracer: &Tracer, camera: &Camera, options: &RenderOptions) -> Result<(), ViewerError> {
+    /// Counts the rays of a small picture, if those are not known of this view; `rate` is in pixel samples a second.
+    pub fn count_rays(
+        &mut self,
+        tracer: &Tracer,
+        camera: &Camera,
+        options: &RenderOptions,
+        rate: f64,
+    ) -> Result<(), ViewerError> {
+        let lately = self.counted.is_some_and(|at| at.elapsed() < PAUSE);
+        if lately || self.rays.is_some() && !self.view_changed {
+            return Ok(());
+        }
+        (self.counted, self.view_changed) = (Some(Instant::now()), false);
         let pixels = options.size.iter().map(|&side| f64::from(side)).product::<f64>();
-        let scale = (COUNTED / pixels).sqrt().min(1.0);
+        let scale = ((rate * COUNTING).clamp(COUNTED[0], COUNTED[1]) / pixels).sqrt().min(1.0);
         let size = options.size.map(|side| ((f64::from(side) * scale) as u32).max(1));
         let options = RenderOptions { size, spp: 1, count_tests: true, ..*options };
         let rays = tracer.render(camera, &options, &mut |_| ())?.rays.unwrap_or(0);

@@ -39,6 +39,8 @@ pub struct Status {
     pub legend: Option<Legend>,
     /// Lines about the picked point: what, and its value.
     pub pick: Vec<(String, String)>,
+    /// Whether the numbers are to be shown.
+    pub statistics: bool,
     /// Whether the help is to be shown.
     pub help: bool,
     /// Whether the panel is to be shown.

@@ -48,9 +48,6 @@ pub enum ServeError {
     /// The threads of the server cannot be started.
     #[error("cannot start the threads of the server: {0}; the limit of processes may be reached")]
     Threads(io::Error),
-    /// The scene cannot be shown.
-    #[error("{0}")]
-    Scene(String),
     /// Rendering fails.
     #[error(transparent)]
     Viewer(#[from] ViewerError),

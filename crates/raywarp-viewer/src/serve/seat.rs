@@ -139,7 +139,6 @@ impl Seat {
             self.client.abandon(frame);
             return Ok(false);
         };
-        let picture = Arc::new(picture);
         self.owed = picture.settled.then(|| Arc::clone(&picture));
         let quality = self.client.setting().jpeg;
         submit(&self.client, Job { picture, coding: Coding::Lossy { quality }, frame, mark: self.mark });

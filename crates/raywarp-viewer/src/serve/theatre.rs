@@ -6,6 +6,7 @@ use super::hall::Hall;
 use super::seat::Seat;
 use super::ServeError;
 use crate::live::Stage;
+use crate::ViewerError;
 
 /// Longest sleeps: with clients, for what happens by time alone; without, to see what the stage has ready.
 const NAP: Duration = Duration::from_millis(25);
@@ -35,13 +36,9 @@ struct Theatre {
 }
 
 impl Theatre {
-    /// A scene that is not there and not coming has failed.
-    fn look_at_the_stage(&self) -> Result<(), ServeError> {
-        if self.stage.is_ready() || self.stage.busy().is_some() {
-            return Ok(());
-        }
-        let reason = self.stage.notice().map(|notice| notice.text.clone());
-        Err(ServeError::Scene(reason.unwrap_or_else(|| format!("cannot read {}", self.stage.name()))))
+    /// A first scene that is not coming is the end.
+    fn look_at_the_stage(&mut self) -> Result<(), ServeError> {
+        self.stage.take_failure().map_or(Ok(()), |error| Err(ViewerError::into(error)))
     }
 
     fn seat(&mut self, hall: &Hall) {

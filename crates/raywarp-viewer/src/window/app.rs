@@ -1,5 +1,6 @@
 //! The window's loop: events in, a frame of the core, pixels out.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use winit::application::ApplicationHandler;
@@ -29,7 +30,7 @@ pub struct App {
     open: Option<Open>,
     interface: Interface,
     input: Input,
-    picture: Option<Picture>,
+    picture: Option<Arc<Picture>>,
     notice: Option<(Notice, Instant)>,
     lines: Vec<String>,
     lines_at: Option<Instant>,
@@ -82,13 +83,9 @@ impl App {
     /// Whether the first scene has not failed.
     ///
     /// # Errors
-    /// [`WindowError::Scene`] if it has; later failures are shown over the picture that there is.
-    pub fn check(&self) -> Result<(), WindowError> {
-        let over = !self.stage.is_ready() && self.stage.busy().is_none() && self.picture.is_none();
-        match self.stage.notice().filter(|notice| over && notice.error) {
-            Some(notice) => Err(WindowError::Scene(notice.text.clone())),
-            None => Ok(()),
-        }
+    /// [`WindowError::Viewer`] if it has; later failures are shown over the picture that there is.
+    pub fn check(&mut self) -> Result<(), WindowError> {
+        self.stage.take_failure().map_or(Ok(()), |error| Err(error.into()))
     }
 
     /// Why the loop ended, if not by people.
@@ -219,7 +216,7 @@ impl App {
         };
         let input = open.egui.take_egui_input(&open.canvas.window);
         let (mut output, events) = self.interface.lay_out(input, &content);
-        let (picture, overlay) = (self.picture.as_ref(), self.interface.overlay());
+        let (picture, overlay) = (self.picture.as_deref(), self.interface.overlay());
         open.canvas.draw(|pixels, size| paint::paint(pixels, size, picture, &overlay))?;
         open.egui.handle_platform_output(&open.canvas.window, std::mem::take(&mut output.platform_output));
         self.interface.drawn(&output);

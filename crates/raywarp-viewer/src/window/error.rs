@@ -31,9 +31,6 @@ pub enum WindowError {
         /// What the system says.
         reason: String,
     },
-    /// The scene cannot be shown for the first time.
-    #[error("{0}")]
-    Scene(String),
     /// The viewer fails.
     #[error(transparent)]
     Viewer(#[from] ViewerError),

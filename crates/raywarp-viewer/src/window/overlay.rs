@@ -41,10 +41,12 @@ fn by([width, height]: [u32; 2]) -> String {
 /// Lays out all of it.
 pub fn show(context: &Context, content: &Content) {
     let (status, free) = (content.status, context.available_rect());
-    corner(context, "status", free, Align2::LEFT_TOP, |ui| {
-        content.lines.iter().for_each(|line| mono(ui, line));
-        pick(ui, &status.pick);
-    });
+    if status.statistics || !status.pick.is_empty() {
+        corner(context, "status", free, Align2::LEFT_TOP, |ui| {
+            content.lines.iter().filter(|_| status.statistics).for_each(|line| mono(ui, line));
+            pick(ui, &status.pick);
+        });
+    }
     if let Some(legend) = &status.legend {
         corner(context, "legend", free, Align2::LEFT_BOTTOM, |ui| show_legend(ui, legend));
     }

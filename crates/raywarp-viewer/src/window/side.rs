@@ -2,7 +2,7 @@
 
 use egui::{
     collapsing_header::CollapsingState, Align, ComboBox, Context, DragValue, Id, Layout, Rect, ScrollArea, SidePanel,
-    Slider, Ui,
+    Slider, SliderClamping, Ui,
 };
 
 use crate::live::{Control, Event, Panel, Row, Section, Value};
@@ -107,12 +107,21 @@ fn number(ui: &mut Ui, mut value: f32, [min, max]: [f32; 2], step: f32) -> Optio
         // Numbers that span orders of magnitude are set by their order.
         let logarithmic = step <= 0.0 && min > 0.0 && max / min > 1000.0;
         ui.spacing_mut().slider_width = (ui.available_width() - 100.0).clamp(40.0, 400.0);
-        let slider = Slider::new(&mut value, min..=max).logarithmic(logarithmic);
+        let slider = Slider::new(&mut value, min..=max).logarithmic(logarithmic).clamping(SliderClamping::Edits);
         ui.add(if step > 0.0 { slider.step_by(f64::from(step)) } else { slider })
     } else {
         ui.add(DragValue::new(&mut value).speed(if step > 0.0 { step } else { 0.01 }))
     };
-    response.changed().then_some(Value::Number(value))
+    response.changed().then_some(Value::Number(rounded(value, step)))
+}
+
+/// To whole steps from zero: egui counts them from the smallest value, with its rounding.
+fn rounded(value: f32, step: f32) -> f32 {
+    if step > 0.0 {
+        (f64::from(value / step).round() * f64::from(step)) as f32
+    } else {
+        value
+    }
 }
 
 fn choice(ui: &mut Ui, options: &[String], chosen: &String) -> Option<Value> {

@@ -61,7 +61,7 @@ pub use kind::{AccelKind, UnknownKind};
 pub use quality::{Build, Quality, UnknownQuality};
 pub(crate) use resident::{with_any_structure, with_structure, AnyResident, Resident, ResidentInstanced};
 pub use stats::{TreeStats, NODE_COST, TRIANGLE_COST};
-pub use triangles::{sift, Dropped};
+pub use triangles::{sift, Dropped, Unhittable};
 pub use view::Borrowed;
 
 /// A structure that holds the triangles of a scene, whichever it is.

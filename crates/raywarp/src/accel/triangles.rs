@@ -12,6 +12,32 @@ pub struct Dropped {
     pub without_area: usize,
 }
 
+/// Triangles that cannot be hit, where that is not to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "triangles without area or with coordinates that are not finite, {0} of them, would be dropped (an error because of \
+     --strict); mend the scene or leave --strict out"
+)]
+pub struct Unhittable(pub usize);
+
+impl Dropped {
+    /// All of them.
+    pub fn count(&self) -> usize {
+        self.not_finite + self.without_area
+    }
+
+    /// Whether to go on without them.
+    ///
+    /// # Errors
+    /// [`Unhittable`] if there are any and reading is `strict`: they are as every other warning.
+    pub fn allow(&self, strict: bool) -> Result<(), Unhittable> {
+        if strict && self.count() > 0 {
+            return Err(Unhittable(self.count()));
+        }
+        Ok(())
+    }
+}
+
 /// Keeps the triangles that a ray can hit, in their order, and counts the others.
 ///
 /// The area is taken in double precision from the corners as they are, where it neither overflows nor vanishes, and

@@ -14,6 +14,7 @@ mod mesh;
 pub mod normals;
 mod path;
 pub mod save;
+mod viewpoint;
 
 pub use background::Background;
 pub use camera::{degrees, radians, Camera, Projection};
@@ -24,6 +25,7 @@ pub use load::{LoadError, LoadOptions, Loaded, Warning};
 pub use material::{AlphaMode, Channel, Filter, Material, NormalMap, Texture, Wrap};
 pub use mesh::{Instance, Mesh, Transform};
 pub use path::{CameraKey, CameraPath, PathError};
+pub use viewpoint::{UnknownCamera, Viewpoint};
 
 /// Everything that a picture needs. Meshes are placed by instances: a mesh without an instance is not seen.
 #[derive(Clone, Debug, Default)]

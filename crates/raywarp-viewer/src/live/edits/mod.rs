@@ -65,7 +65,7 @@ const MOST_ADDED: usize = 64;
 impl Edits {
     /// None so far. Looks at all vertices once: to be made beside the loop that draws.
     pub fn new(scene: &Scene) -> Self {
-        let base = outline(scene);
+        let base = scene.outline();
         let boxes: Vec<[[f32; 3]; 2]> = scene.meshes.iter().map(place::bounds).collect();
         Self {
             edited: base.clone(),
@@ -115,6 +115,11 @@ impl Edits {
         let fields: Vec<Field> = next.history.changes().keys().copied().collect();
         next.refresh(fields);
         *self = next;
+    }
+
+    /// Whether the values differ from those of earlier edits of the same scene.
+    pub fn changed_since(&self, before: &Self) -> bool {
+        self.history.changes() != before.history.changes()
     }
 
     /// Whether anything differs from the files.
@@ -271,18 +276,5 @@ impl Edits {
     fn refresh_lights(&mut self) {
         self.edited.lights = (0..self.base.lights.len()).filter_map(|index| self.light(index)).collect();
         (self.edited.background, self.edited.ambient) = (self.background(), self.ambient());
-    }
-}
-
-/// All that can be edited, and nothing large.
-fn outline(scene: &Scene) -> Scene {
-    Scene {
-        instances: scene.instances.clone(),
-        materials: scene.materials.clone(),
-        lights: scene.lights.clone(),
-        cameras: scene.cameras.clone(),
-        background: scene.background,
-        ambient: scene.ambient,
-        ..Scene::default()
     }
 }

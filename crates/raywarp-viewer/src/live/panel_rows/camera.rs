@@ -41,7 +41,7 @@ fn lens([now, home]: [&Camera; 2]) -> Row {
         Projection::Perspective { .. } => {
             let [angle, usual] = [now, home].map(angle_or_height);
             let control = Control::Number { min: ANGLES[0].min(angle), max: ANGLES[1].max(angle), step: 0.0 };
-            row("camera.fov", "Field of view, degrees", [angle, usual].map(Value::Number), control)
+            row("camera.fov", "Field of view", [angle, usual].map(Value::Number), control)
         }
         Projection::Orthographic { .. } => {
             let [height, usual] = [now, home].map(angle_or_height);

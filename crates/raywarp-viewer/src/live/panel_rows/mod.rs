@@ -21,6 +21,8 @@ use super::{control_value, Control, Panel, Row, Section, Value};
 pub struct Shown<'a> {
     /// The viewer's options.
     pub look: &'a Look,
+    /// Those that nobody has changed.
+    pub usual: &'a Look,
     /// The structure as it is and as it was at first.
     pub tree: [Build; 2],
     /// The camera, once there is a scene.
@@ -35,6 +37,8 @@ pub struct Shown<'a> {
 pub struct Desk<'a> {
     /// The viewer's options.
     pub look: &'a mut Look,
+    /// Those that nobody has changed.
+    pub usual: &'a Look,
     /// The structure as it is and as it was at first.
     pub tree: [Build; 2],
     /// The camera, once there is a scene.
@@ -72,7 +76,7 @@ const BUTTONS: [(&str, &str, Action); 6] = [
 
 /// All controls.
 pub fn panel(shown: &Shown) -> Panel {
-    let mut sections = vec![rendering::section(shown.look, &shown.tree)];
+    let mut sections = vec![rendering::section([shown.look, shown.usual], &shown.tree)];
     sections.extend(shown.camera.map(camera::section));
     if let Some(edits) = shown.edits {
         if let Some(pick) = shown.pick {
@@ -99,7 +103,7 @@ impl Desk<'_> {
         }
         let early = || "there is no scene yet".to_owned();
         match id.split('.').next().unwrap_or_default() {
-            "look" | "tree" => rendering::set(self.look, &self.tree, id, value),
+            "look" | "tree" => rendering::set(self.look, self.usual, &self.tree, id, value),
             "camera" => camera::set(self.camera.as_deref_mut().ok_or_else(early)?, id, value),
             "lights" if id == "lights.add" => {
                 let (edits, camera) = (self.edits.as_deref_mut().ok_or_else(early)?, self.camera.as_deref());
@@ -112,7 +116,7 @@ impl Desk<'_> {
     /// Back to the default: of a row, of a section, or with an empty name of everything. Several effects may remain to
     /// be seen to.
     pub fn reset(&mut self, id: &str) -> Vec<Effect> {
-        let mut effects = rendering::reset(self.look, &self.tree, id);
+        let mut effects = rendering::reset(self.look, self.usual, &self.tree, id);
         if let Some(control) = self.camera.as_deref_mut() {
             effects.extend(camera::reset(control, id));
         }

@@ -12,22 +12,21 @@ use crate::live::{Control, Row, Section, Value};
 
 const SECTION: &str = "rendering";
 
-pub(super) fn section(look: &Look, tree: &[Build; 2]) -> Section {
-    Section { id: SECTION.to_owned(), title: "Rendering".to_owned(), rows: rows(look, tree) }
+pub(super) fn section(looks: [&Look; 2], tree: &[Build; 2]) -> Section {
+    Section { id: SECTION.to_owned(), title: "Rendering".to_owned(), rows: rows(looks, tree) }
 }
 
-fn rows(look: &Look, tree: &[Build; 2]) -> Vec<Row> {
-    let usual = Look::default();
-    let both = |value: fn(&Look) -> Value| [value(look), value(&usual)];
+fn rows(looks: [&Look; 2], tree: &[Build; 2]) -> Vec<Row> {
+    let both = |value: fn(&Look) -> Value| looks.map(value);
+    // A file may ask for more than people usually do.
+    let stops = looks.iter().map(|look| look.development.exposure.abs()).fold(MAX_EXPOSURE, f32::max);
     let named = |value: fn(&Build) -> String| [Value::Text(value(&tree[0])), Value::Text(value(&tree[1]))];
     let number = |min: f32, max: f32, step: f32| Control::Number { min, max, step };
     vec![
         row("look.view", "View", both(|look| text(look.view)), choice(View::ALL)),
-        row("look.boxes", "Boxes of the tree to level", both(|look| level(look.boxes)), {
-            number(-1.0, MAX_LEVEL as f32, 1.0)
-        }),
+        row("look.boxes", "Boxes to level", both(|look| level(look.boxes)), number(-1.0, MAX_LEVEL as f32, 1.0)),
         row("look.exposure", "Exposure, stops", both(|look| Value::Number(look.development.exposure)), {
-            number(-MAX_EXPOSURE, MAX_EXPOSURE, 0.1)
+            number(-stops, stops, 0.1)
         }),
         row("look.tone_map", "Tone map", both(|look| text(look.development.tone_map)), choice(ToneMap::ALL)),
         row("look.max_depth", "Bounces", both(|look| Value::Number(look.max_depth as f32)), {
@@ -37,7 +36,7 @@ fn rows(look: &Look, tree: &[Build; 2]) -> Vec<Row> {
         row("look.spp", "Samples a pixel", both(|look| Value::Number(look.spp as f32)), {
             number(1.0, MAX_SAMPLES as f32, 1.0)
         }),
-        row("look.reference", "Full quality while moving", both(|look| Value::Flag(look.reference)), Control::Flag),
+        row("look.reference", "Full quality", both(|look| Value::Flag(look.reference)), Control::Flag),
         row("look.frame_rate", "Frames a second", both(|look| Value::Number(look.frame_rate)), {
             number(FRAME_RATES[0], FRAME_RATES[1], 1.0)
         }),
@@ -47,16 +46,16 @@ fn rows(look: &Look, tree: &[Build; 2]) -> Vec<Row> {
     ]
 }
 
-pub(super) fn set(look: &mut Look, tree: &[Build; 2], id: &str, value: &Value) -> Result<Effect, String> {
-    checked(&rows(look, tree), id, value)?;
+pub(super) fn set(look: &mut Look, usual: &Look, tree: &[Build; 2], id: &str, value: &Value) -> Result<Effect, String> {
+    checked(&rows([look, usual], tree), id, value)?;
     apply(look, tree, id, value).ok_or_else(|| format!("'{id}' cannot take this value"))
 }
 
-pub(super) fn reset(look: &mut Look, tree: &[Build; 2], id: &str) -> Vec<Effect> {
+pub(super) fn reset(look: &mut Look, usual: &Look, tree: &[Build; 2], id: &str) -> Vec<Effect> {
     let mut effects = Vec::new();
-    let usual = rows(&Look::default(), &[tree[1], tree[1]]);
+    let defaults = rows([usual, usual], &[tree[1], tree[1]]);
     let mut wanted = tree[0];
-    for (row, usual) in rows(look, tree).iter().zip(&usual) {
+    for (row, usual) in rows([look, usual], tree).iter().zip(&defaults) {
         if !row.changed || !is_meant(id, SECTION, &row.id) {
             continue;
         }

@@ -16,6 +16,7 @@ use crate::live::{Control, Panel, Row, Value};
 /// A viewer without a picture.
 struct Bench {
     look: Look,
+    usual: Look,
     tree: [Build; 2],
     camera: CameraControl,
     edits: Edits,
@@ -53,6 +54,7 @@ impl Bench {
         };
         Self {
             look: Look::default(),
+            usual: Look::default(),
             tree: [Build::default(); 2],
             camera: CameraControl::new(framing(bounds), vec![camera], bounds, [0.0, 1.0, 0.0]),
             edits: Edits::new(&scene),
@@ -63,6 +65,7 @@ impl Bench {
     fn panel(&self) -> Panel {
         panel(&Shown {
             look: &self.look,
+            usual: &self.usual,
             tree: self.tree,
             camera: Some(&self.camera),
             edits: Some(&self.edits),
@@ -79,8 +82,8 @@ impl Bench {
     }
 
     fn with<T>(&mut self, work: impl FnOnce(&mut Desk) -> T) -> T {
-        let Self { look, tree, camera, edits, .. } = self;
-        work(&mut Desk { look, tree: *tree, camera: Some(camera), edits: Some(edits) })
+        let Self { look, usual, tree, camera, edits, .. } = self;
+        work(&mut Desk { look, usual, tree: *tree, camera: Some(camera), edits: Some(edits) })
     }
 
     /// As the viewer will: a wish for a structure is fulfilled at once.
@@ -123,7 +126,8 @@ fn names_are_unique_and_nothing_is_changed_at_first() {
     let names: std::collections::HashSet<_> = rows.iter().map(|row| row.id.clone()).collect();
     assert_eq!(names.len(), rows.len());
     assert!(rows.iter().all(|row| !row.changed));
-    let empty = Shown { look: &Look::default(), tree: [Build::default(); 2], camera: None, edits: None, pick: None };
+    let look = Look::default();
+    let empty = Shown { look: &look, usual: &look, tree: [Build::default(); 2], camera: None, edits: None, pick: None };
     assert_eq!(panel(&empty).sections.len(), 2);
 }
 
@@ -215,7 +219,8 @@ fn what_cannot_be_is_refused_with_a_sentence() {
     }
     assert_eq!(bench.panel(), before);
     let mut look = Look::default();
-    let mut early = Desk { look: &mut look, tree: [Build::default(); 2], camera: None, edits: None };
+    let mut early =
+        Desk { look: &mut look, usual: &Look::default(), tree: [Build::default(); 2], camera: None, edits: None };
     assert_eq!(early.set("camera.fov", &Value::Number(40.0)), Err("there is no scene yet".to_owned()));
     assert_eq!(early.set("light.0.on", &Value::Flag(true)), Err("there is no scene yet".to_owned()));
 }

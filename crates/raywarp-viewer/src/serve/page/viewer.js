@@ -22,7 +22,7 @@ shared.resetStats = () => stats.reset();
 
 // What the server wants shown, until somebody says otherwise with a button.
 const overlays = { status: true, help: false, panel: false };
-const wanted = { help: false, panel: false };
+const wanted = { status: null, help: false, panel: false };
 
 function toggle(name, shown = !overlays[name]) {
   overlays[name] = shown;
@@ -59,7 +59,7 @@ const TEXTS = {
     shared.status = message.status;
     shared.link = message.link;
     showStatus(message.status);
-    toggle("status", overlays.status);
+    follow("status", message.status.statistics);
     follow("help", message.status.help);
     follow("panel", message.status.panel);
   },

@@ -1,0 +1,129 @@
+//! From a file to a scene on the device, on a thread beside the loop that draws.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use raywarp::accel::{AccelKind, Build, Quality};
+use raywarp::backend::Device;
+use raywarp::render::{world_triangles, Structure, Tracer};
+use raywarp::scene::load::{self, Attempt};
+use raywarp::scene::{Camera, Instance, LoadOptions, Loaded, Material, RenderDefaults, Scene};
+
+use super::{Source, StageOptions};
+use crate::live::edits::Edits;
+use crate::live::look::Look;
+use crate::live::watch::{Watch, WatchError};
+use crate::ViewerError;
+
+/// What to read, and for what.
+pub struct Order {
+    pub source: Source,
+    pub device: Device,
+    pub options: StageOptions,
+    /// What people have changed so far.
+    pub edits: Option<Edits>,
+    /// The structure that people have chosen.
+    pub chosen: Option<Build>,
+}
+
+/// What became of it.
+pub struct Prepared {
+    pub result: Result<Ready, ViewerError>,
+    /// Over all files that were asked for.
+    pub watch: Option<Result<Watch, WatchError>>,
+}
+
+/// A scene that can be rendered.
+pub struct Ready {
+    pub tracer: Tracer,
+    /// Geometry and images; the rest as it was when the tracer was made.
+    pub scene: Arc<Scene>,
+    /// As the files say, without geometry and images.
+    pub read: Scene,
+    /// Of the scene, for those that must not be written over.
+    pub files: Vec<PathBuf>,
+    pub edits: Edits,
+    /// Instances as the device has them.
+    pub placed: Vec<Instance>,
+    /// The first view, and the cameras of the scene.
+    pub home: Camera,
+    /// Options that people have not changed.
+    pub usual: Look,
+    /// The structure that files and options ask for.
+    pub first: Build,
+    /// What people should know of the files, a sentence each.
+    pub warnings: Vec<String>,
+}
+
+impl Order {
+    pub fn prepare(self) -> Prepared {
+        let attempt = match &self.source.path {
+            Some(path) => load::attempt(path, &LoadOptions { strict: self.source.strict }),
+            None => Attempt { result: load::builtin(), files: Vec::new() },
+        };
+        // Before the rest, which takes long: what changes meanwhile is told.
+        let watched = self.source.watch && self.source.path.is_some();
+        let watch = watched.then(|| Watch::new(&attempt.files, || ()));
+        Prepared { result: attempt.result.map_err(ViewerError::from).and_then(|loaded| self.set_up(loaded)), watch }
+    }
+
+    fn set_up(self, loaded: Loaded) -> Result<Ready, ViewerError> {
+        let Loaded { mut scene, warnings, files } = loaded;
+        let read = scene.outline();
+        let edits = match self.edits {
+            Some(mut edits) => {
+                edits.rebase(&scene);
+                edits
+            }
+            None => Edits::new(&scene),
+        };
+        edits.apply(&mut scene);
+        let wishes = self.options.wishes.or(&read.render);
+        let first = build_of(&wishes, &self.device, self.options.cached);
+        let good = self.chosen.unwrap_or(first);
+        let count: usize =
+            scene.instances.iter().map(|i| scene.meshes.get(i.mesh).map_or(0, |mesh| mesh.triangles.len())).sum();
+        let what = if count < self.options.at_once { good } else { quick(good) };
+        let tracer = Tracer::new(&scene, what, &self.device)?;
+        let dropped = tracer.report().dropped;
+        dropped.allow(self.source.strict)?;
+        tracer.structure().load_kernels(&self.device)?;
+        let home = self.options.viewpoint.of(&scene.cameras, tracer.default_camera())?;
+        let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+        if dropped.count() > 0 {
+            warnings.push(format!("triangles that no ray can hit, {} of them, are dropped", dropped.count()));
+        }
+        let (placed, usual) = (scene.instances.clone(), Look::of(&wishes));
+        Ok(Ready { tracer, scene: Arc::new(scene), read, files, edits, placed, home, usual, first, warnings })
+    }
+}
+
+/// The structure that is worth its time.
+fn build_of(wishes: &RenderDefaults, device: &Device, cached: bool) -> Build {
+    // A bvh2 traces pictures on a GPU as fast as what is fastest for all kinds of rays, and can follow what moves.
+    let usual = device.is_cuda().then_some(AccelKind::Bvh2);
+    RenderDefaults { accel: wishes.accel.or(usual), ..*wishes }.build(device, cached)
+}
+
+/// The tree that people wait for.
+fn quick(good: Build) -> Build {
+    Build { quality: Quality::Fast, cached: false, ..good }
+}
+
+/// The tree that can follow what moves.
+pub fn movable() -> Build {
+    quick(Build { kind: AccelKind::Bvh2, ..Build::default() })
+}
+
+/// Another structure for a scene, with its kernels.
+pub fn structure(
+    scene: &Scene,
+    instances: &[Instance],
+    materials: &[Material],
+    device: &Device,
+    what: Build,
+) -> Result<Structure, ViewerError> {
+    let structure = Structure::build(device, what, world_triangles(scene, instances, materials)?)?;
+    structure.load_kernels(device)?;
+    Ok(structure)
+}

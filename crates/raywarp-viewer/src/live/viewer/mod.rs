@@ -1,0 +1,191 @@
+//! One pair of eyes on the stage: camera, options, picture.
+
+mod input;
+mod rendering;
+mod save;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use raywarp::backend::Staging;
+use raywarp::render::Film;
+use raywarp::scene::Camera;
+
+use super::camera_control::CameraControl;
+use super::look::Look;
+use super::meter::Meter;
+use super::object_drag::ObjectDrag;
+use super::pace::Pace;
+use super::panel_rows::{self, Shown};
+use super::pick::Pick;
+use super::pointer::Clicks;
+use super::stage::Ready;
+use super::{Legend, Notice, Panel, Stage, Status};
+
+/// Pixels to show.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Picture {
+    /// Columns and rows. Fewer than the viewer's size while the camera moves: the front end scales them up.
+    pub size: [u32; 2],
+    /// Red, green, blue and 255 of each pixel, sRGB, top row first.
+    pub rgba: Vec<u8>,
+    /// Whether nothing more is coming until something happens: worth sending without loss.
+    pub settled: bool,
+}
+
+/// Most pixels a side; more is not shown by any screen, and asked for by mistake.
+const MOST: u32 = 1 << 14;
+
+/// One viewer.
+pub struct Viewer {
+    size: [u32; 2],
+    look: Look,
+    /// The options that nobody has changed.
+    usual: Look,
+    control: Option<CameraControl>,
+    clicks: Clicks,
+    object_drag: ObjectDrag,
+    pick: Option<Pick>,
+    /// Of the stage, as the picture shows it.
+    generation: u64,
+    edition: u64,
+    /// A small picture while something moves, and the whole one while it rests.
+    moving: Option<Film>,
+    resting: Option<Film>,
+    pace: Pace,
+    /// What the picture on show still lacks.
+    lacks: Lacks,
+    moved: Option<Duration>,
+    last: Option<Duration>,
+    staging: Staging<u32>,
+    shown: Option<Arc<Picture>>,
+    meter: Meter,
+    legend: Option<Legend>,
+    notice: Option<Notice>,
+    /// Notices of the stage that were there when something was done after them.
+    read: u64,
+}
+
+/// How much of the picture has to be made anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Lacks {
+    Nothing,
+    /// More samples of the same.
+    Samples,
+    /// The same samples, shown otherwise.
+    Developing,
+    /// All of it.
+    Everything,
+}
+
+impl Viewer {
+    /// With a picture of so many pixels.
+    pub fn new(size: [u32; 2]) -> Self {
+        Self {
+            size: size.map(|side| side.clamp(1, MOST)),
+            look: Look::default(),
+            usual: Look::default(),
+            control: None,
+            clicks: Clicks::default(),
+            object_drag: ObjectDrag::default(),
+            pick: None,
+            generation: 0,
+            edition: 0,
+            moving: None,
+            resting: None,
+            pace: Pace::default(),
+            lacks: Lacks::Everything,
+            moved: None,
+            last: None,
+            staging: Staging::default(),
+            shown: None,
+            meter: Meter::default(),
+            legend: None,
+            notice: None,
+            read: 0,
+        }
+    }
+
+    /// The options; those that a front end offers before the first frame.
+    pub fn look_mut(&mut self) -> &mut Look {
+        self.lacks = Lacks::Everything;
+        &mut self.look
+    }
+
+    /// The camera, once there is a scene.
+    pub fn camera(&self) -> Option<&Camera> {
+        self.control.as_ref().map(CameraControl::camera)
+    }
+
+    fn ask(&mut self, more: Lacks) {
+        self.lacks = self.lacks.max(more);
+    }
+
+    /// Something moves: a small picture first. The time is known at the next frame.
+    fn restart(&mut self) {
+        (self.moved, self.lacks) = (None, Lacks::Everything);
+    }
+
+    /// Takes over what the stage has that is new: at a new scene its camera the first time, later the view stays.
+    fn catch_up(&mut self, stage: &Stage, ready: &Ready) {
+        if self.edition != stage.edition() {
+            self.edition = stage.edition();
+            self.restart();
+        }
+        if self.generation != stage.generation() {
+            self.generation = stage.generation();
+            self.look.follow(&self.usual, &ready.usual);
+            (self.usual, self.pick) = (ready.usual.clone(), None);
+            let (home, bounds) = (ready.home.clone(), ready.tracer.report().bounds);
+            let (cameras, up) = (ready.scene.cameras.clone(), [0.0, 1.0, 0.0]);
+            match &mut self.control {
+                Some(control) => control.rebase(home, cameras, bounds, up),
+                None => self.control = Some(CameraControl::new(home, cameras, bounds, up)),
+            }
+        }
+    }
+
+    /// Whether a call of [`frame`](Self::frame) would render: a loop may sleep otherwise.
+    pub fn wants_frame(&self, stage: &Stage) -> bool {
+        stage.is_ready()
+            && (self.lacks != Lacks::Nothing
+                || self.edition != stage.edition()
+                || self.control.as_ref().is_some_and(CameraControl::is_moving))
+    }
+
+    /// What to tell beside the picture.
+    pub fn status(&self, stage: &Stage) -> Status {
+        let ready = stage.ready();
+        let built = ready.map(|ready| ready.tracer.structure());
+        Status {
+            busy: stage.busy(),
+            notice: self.notice.clone().or_else(|| stage.notice().filter(|_| self.read < stage.told()).cloned()),
+            scene: stage.name(),
+            device: stage.device().description(),
+            accel: built.map_or(String::new(), |built| format!("{}, {}", built.kind, built.quality)),
+            triangles: ready.map_or(0, |ready| ready.tracer.report().triangles as u64),
+            size: self.size,
+            settled: self.lacks == Lacks::Nothing,
+            view: self.look.view.to_string(),
+            legend: self.legend.clone(),
+            pick: self.pick.as_ref().map(Pick::lines).unwrap_or_default(),
+            statistics: self.look.statistics,
+            help: self.look.help,
+            panel: self.look.panel,
+            reference: self.look.reference,
+            ..self.meter.status()
+        }
+    }
+
+    /// The side panel as it is now.
+    pub fn panel(&self, stage: &Stage) -> Panel {
+        panel_rows::panel(&Shown {
+            look: &self.look,
+            usual: &self.usual,
+            tree: stage.builds(),
+            camera: self.control.as_ref(),
+            edits: stage.ready().map(|ready| &ready.edits),
+            pick: self.pick.as_ref(),
+        })
+    }
+}

@@ -1,0 +1,198 @@
+//! Pictures: small ones while something moves, then the whole one sample by sample, and debug views.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use raywarp::render::{Film, Quantity, RenderOptions, Tracer};
+use raywarp::scene::Camera;
+
+use super::{Lacks, Picture, Viewer};
+use crate::live::look::View;
+use crate::live::pace::Pace;
+use crate::live::{Legend, Stage};
+use crate::ViewerError;
+
+/// The camera rests when nothing has moved it for so long.
+const REST: Duration = Duration::from_millis(120);
+
+/// Between two looks at whether something moves.
+const PAUSE: Duration = Duration::from_millis(1);
+
+/// Longest time that a held key flies at once: after a pause the camera does not leap.
+const LEAP: Duration = Duration::from_millis(100);
+
+impl Viewer {
+    /// Renders for about the time of one frame; `now` counts from any fixed moment. Nothing if the last picture still
+    /// holds.
+    ///
+    /// # Errors
+    /// [`ViewerError`] where the device fails.
+    pub fn frame(&mut self, stage: &mut Stage, now: Duration) -> Result<Option<Arc<Picture>>, ViewerError> {
+        stage.poll();
+        let Some(ready) = stage.ready() else { return Ok(None) };
+        self.catch_up(stage, ready);
+        let is_moving = self.fly(now);
+        if self.lacks == Lacks::Nothing {
+            return Ok(None);
+        }
+        let Some(camera) = self.camera().cloned() else { return Ok(None) };
+        let live = is_moving && !self.look.reference && self.look.view == View::Picture;
+        if live && self.lacks == Lacks::Samples {
+            // The small picture of this camera is there, and the whole one waits until nothing moves: who asks for frames
+            // as fast as they come need not do so meanwhile.
+            std::thread::sleep(PAUSE);
+            return Ok(None);
+        }
+        self.meter.begin();
+        let picture = match quantity(self.look.view) {
+            Some(quantity) => self.paint(&ready.tracer, &camera, quantity, is_moving)?,
+            None if live => self.move_on(&ready.tracer, &camera)?,
+            None => self.refine(&ready.tracer, &camera)?,
+        };
+        self.meter.end();
+        let picture = Arc::new(picture);
+        self.shown = Some(Arc::clone(&picture));
+        Ok(Some(picture))
+    }
+
+    /// Lets held keys move the camera; whether it moves, or has just done so.
+    fn fly(&mut self, now: Duration) -> bool {
+        let dt = self.last.replace(now).map_or(Duration::ZERO, |last| now.saturating_sub(last).min(LEAP));
+        let Some(control) = &mut self.control else { return false };
+        let held = control.is_moving();
+        if control.step(dt) {
+            self.restart();
+        }
+        if self.lacks == Lacks::Everything && self.shown.is_some() && self.moved.is_none() {
+            self.moved = Some(now);
+        }
+        held || self.moved.is_some_and(|moved| now.saturating_sub(moved) < REST)
+    }
+
+    /// One sample a pixel of as many pixels as there is time for.
+    fn move_on(&mut self, tracer: &Tracer, camera: &Camera) -> Result<Picture, ViewerError> {
+        let rate = self.moving.as_ref().or(self.resting.as_ref()).map(Film::rate);
+        let size = match rate {
+            Some(rate) => self.pace.size(self.size, rate, self.look.frame_rate),
+            None => self.pace.size(self.size, if tracer.device().is_cuda() { 2e8 } else { 1e6 }, self.look.frame_rate),
+        };
+        let mut film = fresh(self.moving.take(), tracer, size, rate)?;
+        let options = RenderOptions { spp: 1, ..self.look.render_options(size) };
+        while !self.meter.exposed(tracer.expose(&mut film, camera, &options, f64::INFINITY)?) {}
+        film.develop(&self.look.development, None)?;
+        self.meter.samples([1, 1], size);
+        let picture = self.fetch(tracer, &film, false)?;
+        (self.moving, self.lacks, self.legend) = (Some(film), Lacks::Samples, None);
+        self.resting = self.resting.take().filter(|film| film.size() == self.size);
+        if let Some(resting) = &mut self.resting {
+            resting.clear()?;
+        }
+        Ok(picture)
+    }
+
+    /// More samples of the whole picture.
+    fn refine(&mut self, tracer: &Tracer, camera: &Camera) -> Result<Picture, ViewerError> {
+        let rate = self.resting.as_ref().or(self.moving.as_ref()).map(Film::rate);
+        let mut film = match self.resting.take() {
+            Some(film) if film.size() == self.size && self.lacks != Lacks::Everything => film,
+            other => fresh(other, tracer, self.size, rate)?,
+        };
+        let options = self.look.render_options(self.size);
+        let complete = match self.lacks {
+            Lacks::Developing if film.samples() >= options.spp => true,
+            _ => {
+                let budget = Pace::budget(self.look.frame_rate);
+                self.meter.exposed(tracer.expose(&mut film, camera, &options, budget)?)
+            }
+        };
+        if self.lacks == Lacks::Everything {
+            self.meter.changed();
+        }
+        if film.samples() > 0 {
+            self.meter.count_rays(tracer, camera, &options, film.rate())?;
+        }
+        film.develop(&self.look.development, self.moving.as_ref())?;
+        self.meter.samples([film.samples(), options.spp], self.size);
+        let picture = self.fetch(tracer, &film, complete)?;
+        self.lacks = if complete { Lacks::Nothing } else { Lacks::Samples };
+        (self.resting, self.legend) = (Some(film), None);
+        Ok(picture)
+    }
+
+    /// A debug view.
+    fn paint(
+        &mut self,
+        tracer: &Tracer,
+        camera: &Camera,
+        quantity: Quantity,
+        is_moving: bool,
+    ) -> Result<Picture, ViewerError> {
+        let rate = self.moving.as_ref().map(Film::rate).filter(|_| is_moving && !self.look.reference);
+        let size = rate.map_or(self.size, |rate| self.pace.size(self.size, rate, self.look.frame_rate));
+        let kept = if size == self.size { self.resting.take() } else { self.moving.take() };
+        let mut film = fresh(kept, tracer, size, rate)?;
+        let painted = tracer.paint(&mut film, camera, &self.look.render_options(size), quantity, None)?;
+        self.meter.painted(painted.kernel_seconds, size);
+        self.legend = legend(quantity, painted.range, tracer.device().is_cuda());
+        let settled = size == self.size;
+        let picture = self.fetch(tracer, &film, settled)?;
+        *(if settled { &mut self.resting } else { &mut self.moving }) = Some(film);
+        self.lacks = if settled { Lacks::Nothing } else { Lacks::Everything };
+        Ok(picture)
+    }
+
+    fn fetch(&mut self, tracer: &Tracer, film: &Film, settled: bool) -> Result<Picture, ViewerError> {
+        self.staging.fetch(tracer.device(), film.screen())?;
+        let mut rgba = vec![0; 4 * self.staging.len()];
+        rgba.chunks_exact_mut(4)
+            .zip(self.staging.iter())
+            .for_each(|(to, pixel)| to.copy_from_slice(&pixel.to_le_bytes()));
+        Ok(Picture { size: film.size(), rgba, settled })
+    }
+}
+
+/// An empty film of a size: the one before if it has that, with what it has learnt.
+fn fresh(kept: Option<Film>, tracer: &Tracer, size: [u32; 2], rate: Option<f64>) -> Result<Film, ViewerError> {
+    let mut film = match kept {
+        Some(mut film) if film.size() == size => {
+            film.clear()?;
+            film
+        }
+        _ => Film::new(tracer.device(), size)?,
+    };
+    if let Some(rate) = rate {
+        film.learn(rate);
+    }
+    Ok(film)
+}
+
+fn quantity(view: View) -> Option<Quantity> {
+    Some(match view {
+        View::Picture => return None,
+        View::Normals => Quantity::Normal,
+        View::Depth => Quantity::Depth,
+        View::Albedo => Quantity::Albedo,
+        View::Primitives => Quantity::Primitive,
+        View::Materials => Quantity::Material,
+        View::Tests => Quantity::Tests,
+        View::Load => Quantity::Ticks,
+    })
+}
+
+/// What the colours of a debug view mean.
+fn legend(quantity: Quantity, [low, high]: [f32; 2], is_gpu: bool) -> Option<Legend> {
+    use raywarp_kernels::false_color::{depth, HEAT};
+    let (title, colors) = match quantity {
+        Quantity::Normal => ("shading normal: x red, y green, z blue", Vec::new()),
+        Quantity::Albedo => ("diffuse colour", Vec::new()),
+        Quantity::Primitive => ("a colour for each triangle", Vec::new()),
+        Quantity::Material => ("a colour for each material", Vec::new()),
+        Quantity::Depth => ("distance in scene units", vec![depth(0.0), depth(1.0)]),
+        Quantity::Tests => ("nodes and triangles tested a pixel", HEAT.to_vec()),
+        Quantity::Ticks if is_gpu => ("cycles of the pixel's thread", HEAT.to_vec()),
+        Quantity::Ticks => ("nanoseconds of the pixel", HEAT.to_vec()),
+    };
+    let number = |x: f32| if colors.is_empty() { String::new() } else { format!("{x}") };
+    let (low, high) = (number(low), number(high));
+    Some(Legend { title: title.to_owned(), low, high, colors })
+}
