@@ -91,6 +91,7 @@ pub struct Stage {
     failure: Option<ViewerError>,
     generation: u64,
     edition: u64,
+    trees: u64,
 }
 
 /// A structure under way.
@@ -138,6 +139,7 @@ impl Stage {
             failure: None,
             generation: 0,
             edition: 0,
+            trees: 0,
         };
         stage.reload();
         stage
@@ -188,7 +190,7 @@ impl Stage {
         self.watch_with(watch);
         (self.building, self.motion) = (None, Motion::default());
         let before = self.ready.replace(ready);
-        (self.generation, self.edition) = (self.generation + 1, self.edition + 1);
+        (self.generation, self.edition, self.trees) = (self.generation + 1, self.edition + 1, self.trees + 1);
         // What was changed while the files were read.
         let Some((mut edits, ready)) = before.map(|before| before.edits).zip(self.ready.as_mut()) else { return };
         if edits.changed_since(&ready.edits) {
@@ -242,13 +244,13 @@ impl Stage {
             Some(shape) if shape != self.motion.shape => Ok(()),
             Some(_) => {
                 drop(ready.tracer.replace(structure));
-                self.motion.refitted = false;
+                (self.motion.refitted, self.trees) = (false, self.trees + 1);
                 Ok(())
             }
             None => {
                 drop(ready.tracer.replace(structure));
                 self.motion.stale &= flags != self.motion.flags;
-                self.edition += 1;
+                (self.edition, self.trees) = (self.edition + 1, self.trees + 1);
                 self.follow()
             }
         }
@@ -327,7 +329,7 @@ impl Stage {
             }
             ready.placed[index].clone_from(&instances[index]);
         }
-        (self.motion.refitted, self.edition) = (true, self.edition + 1);
+        (self.motion.refitted, self.edition, self.trees) = (true, self.edition + 1, self.trees + 1);
         Ok(())
     }
 
@@ -387,6 +389,11 @@ impl Stage {
     /// Grows with everything that changes what is seen.
     pub(super) fn edition(&self) -> u64 {
         self.edition
+    }
+
+    /// Grows with each change of the structure, which nothing of the picture but its boxes shows.
+    pub(super) fn trees(&self) -> u64 {
+        self.trees
     }
 
     /// Where the scene comes from.

@@ -7,6 +7,7 @@ mod save;
 use std::sync::Arc;
 use std::time::Duration;
 
+use raywarp::accel::TreeBox;
 use raywarp::backend::Staging;
 use raywarp::render::Film;
 use raywarp::scene::Camera;
@@ -49,6 +50,9 @@ pub struct Viewer {
     /// Of the stage, as the picture shows it.
     generation: u64,
     edition: u64,
+    trees: u64,
+    /// Of the structure, where they are shown.
+    boxes: Option<Vec<TreeBox>>,
     /// A small picture while something moves, and the whole one while it rests.
     moving: Option<Film>,
     resting: Option<Film>,
@@ -91,6 +95,8 @@ impl Viewer {
             pick: None,
             generation: 0,
             edition: 0,
+            trees: 0,
+            boxes: None,
             moving: None,
             resting: None,
             pace: Pace::default(),
@@ -132,6 +138,12 @@ impl Viewer {
             self.edition = stage.edition();
             self.restart();
         }
+        if self.trees != stage.trees() {
+            (self.trees, self.boxes) = (stage.trees(), None);
+            if self.look.boxes.is_some() {
+                self.ask(Lacks::Developing);
+            }
+        }
         if self.generation != stage.generation() {
             self.generation = stage.generation();
             self.look.follow(&self.usual, &ready.usual);
@@ -150,6 +162,7 @@ impl Viewer {
         stage.is_ready()
             && (self.lacks != Lacks::Nothing
                 || self.edition != stage.edition()
+                || self.look.boxes.is_some() && self.trees != stage.trees()
                 || self.control.as_ref().is_some_and(CameraControl::is_moving))
     }
 

@@ -7,7 +7,8 @@ use raywarp::render::{Film, Quantity, RenderOptions, Tracer};
 use raywarp::scene::Camera;
 
 use super::{Lacks, Picture, Viewer};
-use crate::live::look::View;
+use crate::live::boxes;
+use crate::live::look::{View, MAX_LEVEL};
 use crate::live::pace::Pace;
 use crate::live::{Legend, Stage};
 use crate::ViewerError;
@@ -81,7 +82,7 @@ impl Viewer {
         while !self.meter.exposed(tracer.expose(&mut film, camera, &options, f64::INFINITY)?) {}
         film.develop(&self.look.development, None)?;
         self.meter.samples([1, 1], size);
-        let picture = self.fetch(tracer, &film, false)?;
+        let picture = self.fetch(tracer, camera, &film, false)?;
         (self.moving, self.lacks, self.legend) = (Some(film), Lacks::Samples, None);
         self.resting = self.resting.take().filter(|film| film.size() == self.size);
         if let Some(resting) = &mut self.resting {
@@ -113,7 +114,7 @@ impl Viewer {
         }
         film.develop(&self.look.development, self.moving.as_ref())?;
         self.meter.samples([film.samples(), options.spp], self.size);
-        let picture = self.fetch(tracer, &film, complete)?;
+        let picture = self.fetch(tracer, camera, &film, complete)?;
         self.lacks = if complete { Lacks::Nothing } else { Lacks::Samples };
         (self.resting, self.legend) = (Some(film), None);
         Ok(picture)
@@ -135,18 +136,26 @@ impl Viewer {
         self.meter.painted(painted.kernel_seconds, size);
         self.legend = legend(quantity, painted.range, tracer.device().is_cuda());
         let settled = size == self.size;
-        let picture = self.fetch(tracer, &film, settled)?;
+        let picture = self.fetch(tracer, camera, &film, settled)?;
         *(if settled { &mut self.resting } else { &mut self.moving }) = Some(film);
         self.lacks = if settled { Lacks::Nothing } else { Lacks::Everything };
         Ok(picture)
     }
 
-    fn fetch(&mut self, tracer: &Tracer, film: &Film, settled: bool) -> Result<Picture, ViewerError> {
+    fn fetch(&mut self, tracer: &Tracer, camera: &Camera, film: &Film, settled: bool) -> Result<Picture, ViewerError> {
         self.staging.fetch(tracer.device(), film.screen())?;
         let mut rgba = vec![0; 4 * self.staging.len()];
         rgba.chunks_exact_mut(4)
             .zip(self.staging.iter())
             .for_each(|(to, pixel)| to.copy_from_slice(&pixel.to_le_bytes()));
+        if let Some(level) = self.look.boxes {
+            let boxes = match self.boxes.take() {
+                Some(boxes) => boxes,
+                None => tracer.boxes(MAX_LEVEL)?,
+            };
+            boxes::draw(&mut rgba, film.size(), camera, &boxes, level);
+            self.boxes = Some(boxes);
+        }
         Ok(Picture { size: film.size(), rgba, settled })
     }
 }
