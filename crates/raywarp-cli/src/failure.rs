@@ -45,6 +45,7 @@ fn is_broken_pipe(cause: &(dyn std::error::Error + 'static)) -> bool {
 fn is_of_device(cause: &(dyn std::error::Error + 'static)) -> bool {
     cause.is::<DeviceError>()
         || matches!(cause.downcast_ref(), Some(RenderError::Device(_)))
+        || matches!(cause.downcast_ref(), Some(error) if is_viewers_device(error))
         || matches!(cause.downcast_ref(), Some(ServeError::Viewer(error)) if is_viewers_device(error))
         || matches!(cause.downcast_ref(), Some(QueryError::Device(_)))
         || matches!(cause.downcast_ref(), Some(WindowError::Viewer(error)) if is_viewers_device(error))
@@ -64,6 +65,7 @@ mod tests {
         let device = || DeviceError::NoDevice;
         assert!(of_device(ViewerError::Device(device()).into()));
         assert!(of_device(ViewerError::Render(RenderError::Device(device())).into()));
+        assert!(anyhow::Error::from(ViewerError::Device(device())).chain().any(is_of_device));
         assert!(!of_device(ServeError::Scene("no such file".to_owned())));
     }
 

@@ -248,6 +248,7 @@ impl Viewer {
         let mut film = fresh(self.moving.take(), tracer, size, rate)?;
         let options = RenderOptions { spp: 1, ..self.look.render_options(size) };
         while !self.meter.exposed(tracer.expose(&mut film, camera, &options, f64::INFINITY)?) {}
+        self.meter.fetching();
         film.develop(&self.look.development, None)?;
         self.meter.samples([1, 1], size);
         let picture = self.fetch(tracer, &film, false)?;
@@ -277,6 +278,7 @@ impl Viewer {
         if film.samples() > 0 && !self.meter.knows_rays() {
             self.meter.count_rays(tracer, camera, &options)?;
         }
+        self.meter.fetching();
         film.develop(&self.look.development, self.moving.as_ref())?;
         self.meter.samples([film.samples(), options.spp], self.size);
         let picture = self.fetch(tracer, &film, complete)?;
@@ -308,8 +310,10 @@ impl Viewer {
     }
 
     fn fetch(&mut self, tracer: &Tracer, film: &Film, settled: bool) -> Result<Picture, ViewerError> {
+        self.meter.fetching();
         self.staging.fetch(tracer.device(), film.screen())?;
         let rgba = self.staging.iter().flat_map(|pixel| pixel.to_le_bytes()).collect();
+        self.meter.fetched();
         Ok(Picture { size: film.size(), rgba, settled })
     }
 
