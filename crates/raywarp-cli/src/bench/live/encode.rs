@@ -14,10 +14,10 @@ const REPEATS: usize = 3;
 /// Pictures as they would be sent.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Encoded {
-    /// Pixels of the last picture that was encoded.
-    pub size: [u32; 2],
-    /// Of its messages.
-    pub bytes: usize,
+    /// Pictures that were encoded.
+    pub pictures: usize,
+    /// Of a picture's messages, mean.
+    pub bytes: f64,
     /// Of a picture.
     pub ms: Spread,
     /// Their mean.
@@ -40,13 +40,14 @@ fn encoded<'a>(pictures: impl Iterator<Item = &'a Picture>, coding: Coding) -> a
         // The first time threads wake and memory is new.
         messages(first, coding)?;
     }
-    let (mut ms, mut size, mut bytes) = (Vec::new(), [0; 2], 0);
+    let (mut ms, mut bytes) = (Vec::new(), 0);
     for picture in pictures {
         let start = Instant::now();
         let sent = messages(picture, coding)?;
         ms.push(start.elapsed().as_secs_f64() * 1e3);
-        (size, bytes) = (picture.size, sent.iter().map(|message| message.as_ref().len()).sum());
+        bytes += sent.iter().map(|message| message.as_ref().len()).sum::<usize>();
     }
-    let ms_mean = ms.iter().sum::<f64>() / ms.len().max(1) as f64;
-    Ok(Encoded { size, bytes, ms: Spread::of(ms), ms_mean })
+    let count = ms.len().max(1) as f64;
+    let ms_mean = ms.iter().sum::<f64>() / count;
+    Ok(Encoded { pictures: ms.len(), bytes: bytes as f64 / count, ms: Spread::of(ms), ms_mean })
 }

@@ -11,6 +11,8 @@ use crate::viewpoint::{adjusted, View};
 const TURN: f64 = 2.0;
 /// A step of a drag, in turns: enough not to be a click, and not so much that a slow machine sees a few views only.
 const STEP: [f64; 2] = [1.0 / 300.0, 1.0 / 17.0];
+/// Widths of the narrowest picture's height: the pointer does not go farther than a hundred widths.
+const NARROWEST: u64 = 40;
 /// Without any picture for so long, none is coming.
 const PATIENCE: Duration = Duration::from_secs(20);
 
@@ -18,6 +20,8 @@ const PATIENCE: Duration = Duration::from_secs(20);
 pub struct Hand<'a> {
     stage: &'a mut Stage,
     viewer: Viewer,
+    /// The picture before anything moved.
+    pub rest: Picture,
     size: [u32; 2],
     /// Since the button went down, in turns.
     turned: f64,
@@ -40,8 +44,13 @@ impl<'a> Hand<'a> {
     /// With the picture at rest there and the button down.
     ///
     /// # Errors
-    /// The view cannot be rendered from, the size is beyond the viewer's, or the device fails.
+    /// The view cannot be rendered from, the size is beyond the viewer's or too narrow, or the device fails.
     pub fn new(stage: &'a mut Stage, size: [u32; 2], case: Case, view: &View) -> anyhow::Result<Self> {
+        let [width, height] = size;
+        anyhow::ensure!(
+            u64::from(height) <= NARROWEST * u64::from(width),
+            "a picture of {width}x{height} is too narrow to drag the camera around; choose a wider --size"
+        );
         let mut viewer = Viewer::new(size);
         *viewer.look_mut() = case.look();
         if *view != View::default() {
@@ -51,14 +60,12 @@ impl<'a> Hand<'a> {
                 viewer.look_through(adjusted(camera.clone(), view));
             }
         }
-        let mut hand = Self { stage, viewer, size, turned: 0.0, start: Instant::now() };
-        let Status { size: [most_wide, most_high], .. } = hand.status();
+        let mut hand = Self { stage, viewer, rest: Picture::default(), size, turned: 0.0, start: Instant::now() };
+        let [most_wide, most_high] = hand.status().size;
         anyhow::ensure!(
             [most_wide, most_high] == size,
-            "a picture of {}x{} is more than the viewer shows: at most {most_wide}x{most_high} of it; choose a smaller \
-             --size",
-            size[0],
-            size[1]
+            "a picture of {width}x{height} is more than the viewer shows: at most {most_wide}x{most_high} of it; choose a \
+             smaller --size"
         );
         hand.settle()?;
         if let Some(notice) = hand.status().notice.filter(|notice| notice.error) {
@@ -99,22 +106,12 @@ impl<'a> Hand<'a> {
         }
     }
 
-    /// Lets go, and waits for the picture at rest; none where the last one was that already.
-    ///
-    /// # Errors
-    /// As for [`next`](Self::next).
-    pub fn rest(mut self) -> anyhow::Result<Option<Picture>> {
-        self.press(false);
-        self.settle()
-    }
-
-    /// Renders until nothing more is coming; the last picture.
-    fn settle(&mut self) -> anyhow::Result<Option<Picture>> {
-        let mut last = None;
+    /// Renders until nothing more is coming.
+    fn settle(&mut self) -> anyhow::Result<()> {
         while self.viewer.wants_frame(self.stage) {
-            last = Some(self.render()?);
+            self.rest = self.render()?;
         }
-        Ok(last)
+        Ok(())
     }
 
     /// The next picture, whole or not.

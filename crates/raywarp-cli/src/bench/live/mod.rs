@@ -113,9 +113,6 @@ impl Live {
         );
         say::line(&format!("{}: {width}x{height}, {case}, {structure} ...", subject.name));
         let watched = watch::watch(&mut hand, case, self.seconds, self.warmup)?;
-        let still = hand.rest()?;
-        // A picture that was whole while the camera moved is the one at rest too.
-        let rest = still.as_ref().or(watched.pictures.back()).context("there was no picture")?;
-        Row::new(&subject.name, &status, case, &watched, rest)
+        Row::new(&subject.name, &status, case, &watched, &hand.rest)
     }
 }

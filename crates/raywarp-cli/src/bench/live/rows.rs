@@ -60,7 +60,7 @@ pub struct Row {
     pub traced_least: f64,
     /// Where the time of a picture goes that is sent to a browser.
     pub parts: Parts,
-    /// Pictures of the moving camera as JPEG, and the one at rest as PNG.
+    /// Pictures of the moving camera as JPEG, and the one before it moved as PNG.
     pub jpeg: Encoded,
     pub png: Encoded,
 }

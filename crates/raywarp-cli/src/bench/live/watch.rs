@@ -1,6 +1,5 @@
 //! Times pictures while the camera turns.
 
-use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use raywarp_viewer::live::Picture;
@@ -10,7 +9,7 @@ use super::hand::{Frame, Hand};
 
 /// Pictures that are timed at least.
 const FEWEST: usize = 3;
-/// Pictures that are kept, to be encoded later.
+/// Pictures that are kept, to be encoded later: from all around the scene.
 const KEPT: usize = 8;
 /// Share of the time that is spent before anything counts.
 const BEFORE: f64 = 0.25;
@@ -26,8 +25,8 @@ pub struct Watched {
     pub traced: Vec<f64>,
     /// From the first event to the last picture.
     pub seconds: f64,
-    /// The last pictures.
-    pub pictures: VecDeque<Picture>,
+    /// Some of the pictures, from all of the time.
+    pub pictures: Vec<Picture>,
 }
 
 /// Turns the camera once in so many seconds, after some pictures that do not count.
@@ -43,22 +42,22 @@ pub fn watch(hand: &mut Hand, case: Case, seconds: f64, warmup: u32) -> anyhow::
     }
     let (start, mut watched) = (Instant::now(), Watched::default());
     while watched.ms.len() < FEWEST || watched.seconds < seconds {
-        watched.take(hand.next(beat.turn())?);
+        watched.take(hand.next(beat.turn())?, seconds);
         watched.seconds = start.elapsed().as_secs_f64();
     }
     Ok(watched)
 }
 
 impl Watched {
-    fn take(&mut self, frame: Frame) {
+    fn take(&mut self, frame: Frame, seconds: f64) {
         self.ms.push(frame.ms);
         self.trace_ms.push(frame.trace_ms);
         self.fetch_ms.push(frame.fetch_ms);
         self.traced.push(frame.traced);
-        if self.pictures.len() == KEPT {
-            self.pictures.pop_front();
+        let due = self.seconds * KEPT as f64 >= self.pictures.len() as f64 * seconds;
+        if due && self.pictures.len() < KEPT {
+            self.pictures.push(frame.picture);
         }
-        self.pictures.push_back(frame.picture);
     }
 }
 
