@@ -32,7 +32,7 @@ impl Case {
 
     /// From one picture to the next; none: as they come.
     pub fn period(self) -> Option<Duration> {
-        (self == Self::Held).then(|| aim())
+        (self == Self::Held).then(aim)
     }
 }
 
