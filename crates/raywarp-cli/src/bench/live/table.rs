@@ -75,6 +75,8 @@ fn part(part: Part) -> String {
     format!("{} ms, {}", number(part.ms), percent(part.share))
 }
 
+/// Small shares with a digit more.
 fn percent(share: f64) -> String {
-    format!("{:.0} %", 100.0 * share)
+    let digits = usize::from(share < 0.0995);
+    format!("{:.digits$} %", 100.0 * share)
 }
