@@ -45,6 +45,7 @@ fn is_broken_pipe(cause: &(dyn std::error::Error + 'static)) -> bool {
 fn is_of_device(cause: &(dyn std::error::Error + 'static)) -> bool {
     cause.is::<DeviceError>()
         || matches!(cause.downcast_ref(), Some(RenderError::Device(_)))
+        || matches!(cause.downcast_ref(), Some(error) if is_viewers_device(error))
         || matches!(cause.downcast_ref(), Some(ServeError::Viewer(error)) if is_viewers_device(error))
         || matches!(cause.downcast_ref(), Some(QueryError::Device(_)))
         || matches!(cause.downcast_ref(), Some(WindowError::Viewer(error)) if is_viewers_device(error))
@@ -65,6 +66,7 @@ mod tests {
         assert!(of_device(ViewerError::Device(device()).into()));
         assert!(of_device(ViewerError::Render(RenderError::Device(device())).into()));
         assert!(!of_device(ViewerError::Lost("reading").into()));
+        assert!(anyhow::Error::from(ViewerError::Device(device())).chain().any(is_of_device));
     }
 
     #[test]

@@ -67,6 +67,11 @@ pub fn height(text: &str) -> Result<f32, String> {
     ranged(text, f32::MIN_POSITIVE, f32::MAX).ok_or_else(|| "give a height in scene units, more than 0".to_owned())
 }
 
+/// Seconds to measure for.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    ranged(text, 0.01, 3600.0).ok_or_else(|| "give a number of seconds from 0.01 to 3600".to_owned())
+}
+
 /// Stops.
 pub fn exposure(text: &str) -> Result<f32, String> {
     ranged(text, -60.0, 60.0).ok_or_else(|| "give a number of stops from -60 to 60".to_owned())

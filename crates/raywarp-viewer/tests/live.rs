@@ -34,7 +34,8 @@ fn at_rest_the_picture_becomes_that_of_render_to_the_bit() {
     assert!(last.rgba == rendered(None, &RenderOptions::default(), &Development::default()));
     let status = session.viewer.status(&session.stage);
     assert_eq!((status.samples, status.spp, status.settled), (SPP, SPP, true));
-    assert!(status.mrays_per_s.unwrap() > 0.0 && status.frame_ms > 0.0);
+    assert!(status.mrays_per_s.unwrap() > 0.0 && status.kernel_ms > 0.0 && status.fetch_ms > 0.0);
+    assert!(status.kernel_ms + status.fetch_ms <= status.frame_ms, "{status:?}");
     // Nothing happens: nothing is rendered.
     assert!(session.frame().is_none() && !session.viewer.wants_frame(&session.stage));
 }

@@ -51,40 +51,34 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
     limit_threads(options.threads)?;
     let loaded = read(options.scenes.first().map(PathBuf::as_path), false)?;
     let device = Device::open(options.device)?;
-    let mut bench = Bench::new(options, &device);
+    let mut bench = Bench::new(options, options.one_size()?, &device);
     let structures = [AccelKind::Brute, AccelKind::Kd, AccelKind::fastest_on(&device)];
     for &accel in if options.layout.is_empty() { &structures } else { &options.layout[..] } {
-        bench.measure(&loaded.scene, accel, &device, options)?;
+        bench.measure(&loaded.scene, accel, &device)?;
     }
     let text = if options.json { serde_json::to_string_pretty(&bench)? + "\n" } else { bench.table() };
     say::out(text.as_bytes()).context("cannot write the table")
 }
 
 impl Bench {
-    fn new(options: &BenchOptions, device: &Device) -> Self {
+    fn new(options: &BenchOptions, size: [u32; 2], device: &Device) -> Self {
         let scene = options.scenes.first().map_or(BUILT_IN.into(), |path| path.display().to_string());
         Self {
             machine: Machine::of(device),
             scene,
             triangles: 0,
-            size: options.size,
+            size,
             repeats: options.repeats.unwrap_or(REPEATS),
             rows: Vec::new(),
         }
     }
 
-    fn measure(
-        &mut self,
-        scene: &Scene,
-        accel: AccelKind,
-        device: &Device,
-        options: &BenchOptions,
-    ) -> anyhow::Result<()> {
+    fn measure(&mut self, scene: &Scene, accel: AccelKind, device: &Device) -> anyhow::Result<()> {
         let tracer = Tracer::new(scene, accel, device)?;
         self.triangles = tracer.report().triangles;
         let camera = tracer.default_camera();
         let render = |max_depth, shadows, count_tests| -> anyhow::Result<Rendering> {
-            let picture = RenderOptions { size: options.size, max_depth, shadows, count_tests, ..Default::default() };
+            let picture = RenderOptions { size: self.size, max_depth, shadows, count_tests, ..Default::default() };
             Ok(tracer.render(camera, &picture, &mut |_| ())?)
         };
         for (rays, max_depth, shadows) in [("primary", 0, false), ("all", 5, true)] {

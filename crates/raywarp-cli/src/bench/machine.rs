@@ -18,6 +18,12 @@ pub struct Machine {
 }
 
 impl Machine {
+    /// For the head of a table.
+    pub fn sentence(&self) -> String {
+        let commit = self.commit.map_or(String::new(), |commit| format!(" ({commit})"));
+        format!("{}; raywarp {}{commit}", self.device, self.version)
+    }
+
     pub fn of(device: &Device) -> Self {
         let survey = survey();
         let gpu = survey.devices.iter().find(|gpu| Some(gpu.index) == device.cuda_index());

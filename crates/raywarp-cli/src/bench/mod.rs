@@ -1,11 +1,13 @@
 //! `raywarp bench`: how many rays a second, by kind of ray, structure and tree, beside other ray tracers.
 //!
 //! [`suite`] says which scenes, [`contest`] makes the rays of each and has every structure and every [`peers`] answer
-//! them, [`results`] is what came of it and [`table`] how people read it. [`frames`] times whole pictures instead.
+//! them, [`results`] is what came of it and [`table`] how people read it. [`frames`] times whole pictures instead, and
+//! [`live`] the viewer.
 
 mod contest;
 mod exchange;
 mod frames;
+mod live;
 mod machine;
 mod options;
 mod peers;
@@ -21,6 +23,8 @@ pub use options::BenchOptions;
 pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
     if options.frames {
         frames::run(options)
+    } else if options.live {
+        live::run(options)
     } else {
         rays::run(options)
     }

@@ -17,8 +17,13 @@ Examples:
   raywarp bench model.ply --device cpu --peers            beside Embree and Warp, one thread each
   raywarp bench --suite docs/bench/suite.toml --models DIR --json
   raywarp bench --frames                                  whole pictures, by every structure
+  raywarp bench --live model.glb --size 1920x1080         the viewer, while somebody turns the scene
 
 docs/bench/README.md says what the rays and the columns are.";
+
+/// Sizes, if the options do not say.
+const FULL_HD: [u32; 2] = [1920, 1080];
+const ULTRA_HD: [u32; 2] = [3840, 2160];
 
 /// Options of `bench`.
 #[derive(Debug, Args)]
@@ -33,11 +38,16 @@ pub struct BenchOptions {
     ])]
     #[arg(help_heading = "What to measure")]
     pub frames: bool,
+    /// Time the viewer instead of rays, without a window, while a drag turns the camera: at full size as fast as it can
+    /// ('full'), and with the size that 60 frames a second allow ('held'); and what encoding for a browser takes
+    #[arg(long, conflicts_with_all = ["frames", "rays", "repeats", "min_rays", "counts", "peers"])]
+    #[arg(help_heading = "What to measure")]
+    pub live: bool,
     /// Kinds of rays, with commas: primary, shadow, ao (ambient occlusion), diffuse, random; none: all
     #[arg(long, value_name = "LIST", value_delimiter = ',', help_heading = "What to measure")]
     pub rays: Vec<RayKind>,
     /// Structures, with commas: brute, kd, bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w, bvh8f; none: the fastest on the device,
-    /// with --frames brute, kd and that (brute takes hours on a CPU)
+    /// with --frames brute, kd and that (brute takes hours on a CPU), with --live the viewer's own
     #[arg(long, visible_alias = "accel", value_name = "LIST", value_delimiter = ',')]
     #[arg(help_heading = "What to measure")]
     pub layout: Vec<AccelKind>,
@@ -62,14 +72,17 @@ pub struct BenchOptions {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     #[arg(help_heading = "How often")]
     pub repeats: Option<u32>,
-    /// Repeats before those, not timed
+    /// Repeats before those, not timed; with --live pictures, and more if a quarter of --seconds has room for them
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(0..=1000))]
     #[arg(help_heading = "How often")]
     pub warmup: u32,
-    /// Size of the picture in pixels
-    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = values::size)]
+    /// Seconds of --live that are timed, for each scene, size and case; longer where they hold fewer than three pictures
+    #[arg(long, value_name = "SECONDS", default_value_t = 3.0, value_parser = values::seconds, requires = "live")]
     #[arg(help_heading = "How often")]
-    pub size: [u32; 2],
+    pub seconds: f64,
+    /// Size of the picture in pixels; with --live one or several, with commas; none: 1920x1080, with --live 3840x2160 too
+    #[arg(long, value_name = "WxH", value_delimiter = ',', value_parser = values::size, help_heading = "How often")]
+    pub size: Vec<[u32; 2]>,
     /// Rays of a kind at least, so that they fill a GPU: several from each hit; and as many random rays
     #[arg(long, value_name = "N", default_value_t = 2_000_000)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000_000), help_heading = "How often")]
@@ -116,6 +129,24 @@ pub struct BenchOptions {
 }
 
 impl BenchOptions {
+    /// The size where there is one.
+    ///
+    /// # Errors
+    /// Where there are several.
+    pub fn one_size(&self) -> anyhow::Result<[u32; 2]> {
+        anyhow::ensure!(self.size.len() < 2, "only --live takes several sizes, and --size has {}", self.size.len());
+        Ok(self.size.first().copied().unwrap_or(FULL_HD))
+    }
+
+    /// Those of `--live`.
+    pub fn sizes(&self) -> Vec<[u32; 2]> {
+        if self.size.is_empty() {
+            vec![FULL_HD, ULTRA_HD]
+        } else {
+            self.size.clone()
+        }
+    }
+
     /// What is to be different about the camera.
     pub fn view(&self) -> Viewpoint {
         let (eye, target, up, fov) = (self.eye, self.target, self.up, self.fov);

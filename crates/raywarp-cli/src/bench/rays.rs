@@ -26,7 +26,7 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
     limit_threads(options.threads.or(alone.then_some(1)))?;
     let mut results = Results {
         machine: Machine::of(&device),
-        size: options.size,
+        size: options.one_size()?,
         repeats: options.repeats.unwrap_or(REPEATS),
         warmup: options.warmup,
         rows: Vec::new(),
@@ -45,8 +45,8 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
     contest.peers = peers(options, &contest, &mut results);
 
     for subject in subjects {
-        if let Some(file) = subject.file.as_deref().filter(|file| subject.optional && !file.exists()) {
-            results.note(&subject.name, format!("left out, as there is no {}", file.display()));
+        if let Some(reason) = subject.absent() {
+            results.note(&subject.name, reason);
             continue;
         }
         let loaded = read(subject.file.as_deref(), false)?;

@@ -123,9 +123,16 @@ pub struct Note {
 impl Results {
     /// Says something at once, and keeps it.
     pub fn note(&mut self, about: &str, reason: impl Into<String>) {
-        let note = Note { about: about.to_owned(), reason: reason.into() };
+        self.notes.push(Note::said(about, reason));
+    }
+}
+
+impl Note {
+    /// Says it at once.
+    pub fn said(about: &str, reason: impl Into<String>) -> Self {
+        let note = Self { about: about.to_owned(), reason: reason.into() };
         say::line(&format!("note: {note}"));
-        self.notes.push(note);
+        note
     }
 }
 

@@ -25,6 +25,14 @@ pub struct Subject {
     pub optional: bool,
 }
 
+impl Subject {
+    /// Why it is left out, if it is.
+    pub fn absent(&self) -> Option<String> {
+        let file = self.file.as_deref().filter(|file| self.optional && !file.exists())?;
+        Some(format!("left out, as there is no {}", file.display()))
+    }
+}
+
 /// A file of scenes.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -8,10 +8,8 @@ impl Results {
     pub fn table(&self) -> String {
         let [width, height] = self.size;
         let mut text = format!(
-            "{}; raywarp {}{}; picture {width}x{height}; median of {} after {} (least to most)\n",
-            self.machine.device,
-            self.machine.version,
-            self.machine.commit.map_or(String::new(), |commit| format!(" ({commit})")),
+            "{}; picture {width}x{height}; median of {} after {} (least to most)\n",
+            self.machine.sentence(),
             self.repeats,
             self.warmup
         );
@@ -81,21 +79,21 @@ impl Results {
 }
 
 /// A column of a table: its head, the line under that, and what is in it.
-struct Column<'a, R> {
+pub(super) struct Column<'a, R> {
     head: &'static str,
     rule: &'static str,
     cell: Box<dyn Fn(&R) -> String + 'a>,
 }
 
-fn left<'a, R>(head: &'static str, cell: impl Fn(&R) -> String + 'a) -> Column<'a, R> {
+pub(super) fn left<'a, R>(head: &'static str, cell: impl Fn(&R) -> String + 'a) -> Column<'a, R> {
     Column { head, rule: "---", cell: Box::new(cell) }
 }
 
-fn right<'a, R>(head: &'static str, cell: impl Fn(&R) -> String + 'a) -> Column<'a, R> {
+pub(super) fn right<'a, R>(head: &'static str, cell: impl Fn(&R) -> String + 'a) -> Column<'a, R> {
     Column { head, rule: "---:", cell: Box::new(cell) }
 }
 
-fn table<R>(columns: &[Column<R>], rows: &[R]) -> String {
+pub(super) fn table<R>(columns: &[Column<R>], rows: &[R]) -> String {
     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
     let head = line(columns.iter().map(|column| column.head.to_owned()).collect());
     let rule = line(columns.iter().map(|column| column.rule.to_owned()).collect());
@@ -118,7 +116,7 @@ fn spread(speed: &Speed) -> String {
 }
 
 /// Three digits or more.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     let digits = if value >= 100.0 {
         0
     } else if value >= 10.0 {

@@ -24,6 +24,9 @@ pub(super) struct Meter {
     /// Milliseconds of the last frame.
     frame_ms: f64,
     kernel_seconds: f64,
+    /// Since when samples become pixels, and how long they have.
+    fetching: Option<Instant>,
+    fetch_seconds: f64,
     pixel_samples: u64,
     samples: [u32; 2],
     traced: [u32; 2],
@@ -38,6 +41,7 @@ impl Meter {
     /// A frame begins.
     pub fn begin(&mut self) {
         (self.start, self.kernel_seconds, self.pixel_samples) = (Some(Instant::now()), 0.0, 0);
+        (self.fetching, self.fetch_seconds) = (None, 0.0);
     }
 
     /// It is done.
@@ -52,6 +56,18 @@ impl Meter {
         self.kernel_seconds += exposure.kernel_seconds;
         self.pixel_samples += exposure.pixel_samples;
         exposure.complete
+    }
+
+    /// From here on samples are developed and copied to the host. Said twice, the first counts.
+    pub fn fetching(&mut self) {
+        self.fetching.get_or_insert_with(Instant::now);
+    }
+
+    /// The pixels are there.
+    pub fn fetched(&mut self) {
+        if let Some(start) = self.fetching.take() {
+            self.fetch_seconds += start.elapsed().as_secs_f64();
+        }
     }
 
     /// A debug view was painted.
@@ -97,6 +113,7 @@ impl Meter {
         Status {
             frame_ms: self.frame_ms,
             kernel_ms: self.kernel_seconds * 1e3,
+            fetch_ms: self.fetch_seconds * 1e3,
             mrays_per_s: traced.map(|rays| rays * self.pixel_samples as f64 / self.kernel_seconds * 1e-6),
             samples: self.samples[0],
             spp: self.samples[1],

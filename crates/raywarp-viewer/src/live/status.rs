@@ -23,8 +23,10 @@ pub struct Status {
     pub traced: [u32; 2],
     /// Time of one frame, from one to the next while the camera moves, in milliseconds.
     pub frame_ms: f64,
-    /// Time of the kernels within it.
+    /// Time of the kernels that trace within it.
     pub kernel_ms: f64,
+    /// Time within it from the samples to pixels in the host's memory: developing and copying.
+    pub fetch_ms: f64,
     /// Million rays of all kinds a second of kernel time, from a count of a part of the picture; nothing if not known.
     pub mrays_per_s: Option<f64>,
     /// Samples a pixel so far.

@@ -30,6 +30,7 @@ use std::time::Duration;
 
 pub use error::ServeError;
 pub use protocol::VERSION as PROTOCOL;
+pub use stripes::{messages, Coding, StripeError};
 pub use token::Token;
 
 use crate::live::Stage;

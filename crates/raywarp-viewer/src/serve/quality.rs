@@ -7,7 +7,7 @@ use super::pace::Delivery;
 
 /// Bounds of the quality of JPEG.
 const WORST: f32 = 40.0;
-const BEST: f32 = 90.0;
+pub(super) const BEST: f32 = 90.0;
 /// Smallest share of each side that is asked for.
 const SMALLEST: f32 = 0.35;
 /// Beyond the bare way there and back: within the first all is well, beyond the second something has to give.

@@ -5,6 +5,7 @@ use jpeg_encoder::{ColorType, SamplingFactor};
 use rayon::prelude::*;
 
 use super::protocol::{Kind, StripeHead};
+use super::quality;
 use crate::live::Picture;
 
 /// Rows of a stripe are a multiple of the block of JPEG with halved colour.
@@ -15,7 +16,7 @@ const FEWEST_ROWS: u32 = 64;
 const MOST: u32 = 16;
 const MOST_LOSSLESS: u32 = 64;
 
-/// How to encode.
+/// How a picture is encoded for a browser.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Coding {
     /// JPEG with colours at half the resolution.
@@ -27,15 +28,34 @@ pub enum Coding {
     Lossless,
 }
 
-/// Why a stripe cannot be encoded.
+impl Coding {
+    /// Of a picture while something moves, for a browser whose link keeps up.
+    pub const MOVING: Self = Self::Lossy { quality: quality::BEST as u8 };
+}
+
+/// Why a picture cannot be encoded.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum StripeError {
+    /// A stripe cannot be written as JPEG.
     #[error(transparent)]
     Jpeg(#[from] jpeg_encoder::EncodingError),
+    /// A stripe cannot be written as PNG.
     #[error(transparent)]
     Png(#[from] png::EncodingError),
+    /// Columns, rows and bytes do not go together, or a side is 0 or more than 65535.
     #[error("a picture of {0}x{1} pixels has {2} bytes")]
     Size(u32, u32, usize),
+}
+
+/// The messages that bring a picture to a browser, from top to bottom, encoded on all threads as for
+/// [`Server`](super::Server): a picture in motion with [`Coding::MOVING`], at best, and one at rest with
+/// [`Coding::Lossless`].
+///
+/// # Errors
+/// [`StripeError`] where the picture's bytes are not those of its size, or a side is 0 or more than 65535.
+pub fn messages(picture: &Picture, coding: Coding) -> Result<Vec<impl AsRef<[u8]>>, StripeError> {
+    encode(picture, coding, 0, 0)
 }
 
 /// The stripes of a picture as they are sent, from top to bottom.
@@ -110,6 +130,15 @@ mod tests {
             assert_eq!(joined(&stripes), picture.rgba, "{width}x{height}");
             assert!(stripes.len() <= MOST_LOSSLESS as usize);
         }
+    }
+
+    #[test]
+    fn messages_are_those_of_the_first_picture() {
+        let picture = picture(64, 200);
+        let sent = encode(&picture, Coding::MOVING, 0, 0).unwrap();
+        let messages = messages(&picture, Coding::MOVING).unwrap();
+        assert!(messages.iter().map(AsRef::as_ref).eq(sent.iter().map(|stripe| &stripe[..])));
+        assert_eq!(Coding::MOVING, Coding::Lossy { quality: 90 });
     }
 
     #[test]

@@ -55,6 +55,18 @@ impl<T: Plain> Buffer<T> {
         self.len as u64 * std::mem::size_of::<T>() as u64
     }
 
+    /// Makes all items zero.
+    pub(crate) fn clear(&mut self) -> Result<(), DeviceError> {
+        match &mut self.storage {
+            Storage::Host(items) => {
+                // SAFETY: zeros are a `Plain` value.
+                items.fill(unsafe { std::mem::zeroed() });
+                Ok(())
+            }
+            Storage::Cuda(buffer) => buffer.clear(),
+        }
+    }
+
     /// Writes items from `first` on. They fit.
     pub(crate) fn write(&mut self, first: usize, items: &[T]) -> Result<(), DeviceError> {
         match &mut self.storage {

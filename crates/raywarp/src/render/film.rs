@@ -113,7 +113,7 @@ impl Film {
     /// # Errors
     /// [`RenderError`] where the device fails.
     pub fn clear(&mut self) -> Result<(), RenderError> {
-        self.pixels = self.device.zeroed(self.pixels.len() as usize)?;
+        self.pixels.clear()?;
         (self.samples, self.ahead) = (0, 0);
         Ok(())
     }

@@ -56,6 +56,8 @@ pub struct Viewer {
     /// A small picture while something moves, and the whole one while it rests.
     moving: Option<Film>,
     resting: Option<Film>,
+    /// Whether the latter still has the samples of another view.
+    resting_is_old: bool,
     pace: Pace,
     /// What the picture on show still lacks.
     lacks: Lacks,
@@ -99,6 +101,7 @@ impl Viewer {
             boxes: None,
             moving: None,
             resting: None,
+            resting_is_old: false,
             pace: Pace::default(),
             lacks: Lacks::Everything,
             moved: None,

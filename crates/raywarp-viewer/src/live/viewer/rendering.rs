@@ -80,14 +80,13 @@ impl Viewer {
         let mut film = fresh(self.moving.take(), tracer, size, rate)?;
         let options = RenderOptions { spp: 1, ..self.look.render_options(size) };
         while !self.meter.exposed(tracer.expose(&mut film, camera, &options, f64::INFINITY)?) {}
+        self.meter.fetching();
         film.develop(&self.look.development, None)?;
         self.meter.samples([1, 1], size);
         let picture = self.fetch(tracer, camera, &film, false)?;
         (self.moving, self.lacks, self.legend) = (Some(film), Lacks::Samples, None);
         self.resting = self.resting.take().filter(|film| film.size() == self.size);
-        if let Some(resting) = &mut self.resting {
-            resting.clear()?;
-        }
+        self.resting_is_old = true;
         Ok(picture)
     }
 
@@ -95,9 +94,10 @@ impl Viewer {
     fn refine(&mut self, tracer: &Tracer, camera: &Camera) -> Result<Picture, ViewerError> {
         let rate = self.resting.as_ref().or(self.moving.as_ref()).map(Film::rate);
         let mut film = match self.resting.take() {
-            Some(film) if film.size() == self.size && self.lacks != Lacks::Everything => film,
+            Some(film) if film.size() == self.size && self.lacks != Lacks::Everything && !self.resting_is_old => film,
             other => fresh(other, tracer, self.size, rate)?,
         };
+        self.resting_is_old = false;
         let options = self.look.render_options(self.size);
         let complete = match self.lacks {
             Lacks::Developing if film.samples() >= options.spp => true,
@@ -112,6 +112,7 @@ impl Viewer {
         if film.samples() > 0 {
             self.meter.count_rays(tracer, camera, &options, film.rate())?;
         }
+        self.meter.fetching();
         film.develop(&self.look.development, self.moving.as_ref())?;
         self.meter.samples([film.samples(), options.spp], self.size);
         let picture = self.fetch(tracer, camera, &film, complete)?;
@@ -143,11 +144,13 @@ impl Viewer {
     }
 
     fn fetch(&mut self, tracer: &Tracer, camera: &Camera, film: &Film, settled: bool) -> Result<Picture, ViewerError> {
+        self.meter.fetching();
         self.staging.fetch(tracer.device(), film.screen())?;
         let mut rgba = vec![0; 4 * self.staging.len()];
         rgba.chunks_exact_mut(4)
             .zip(self.staging.iter())
             .for_each(|(to, pixel)| to.copy_from_slice(&pixel.to_le_bytes()));
+        self.meter.fetched();
         if let Some(level) = self.look.boxes {
             let boxes = match self.boxes.take() {
                 Some(boxes) => boxes,

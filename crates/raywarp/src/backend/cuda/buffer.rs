@@ -66,6 +66,11 @@ impl<T: Plain> CudaBuffer<T> {
         Ok(Self { gpu: gpu.clone(), bytes, items: PhantomData })
     }
 
+    pub fn clear(&mut self) -> Result<(), DeviceError> {
+        let failed = |error| self.gpu.failed("cleared a buffer", error);
+        self.gpu.stream().memset_zeros(&mut self.bytes).map_err(failed)
+    }
+
     pub fn download(&self, items: usize) -> Result<Vec<T>, DeviceError> {
         let failed = |e| self.gpu.failed("gave data back", e);
         let size = items * std::mem::size_of::<T>();

@@ -1,0 +1,126 @@
+//! `raywarp bench --live`: the viewer as people feel it, without its window.
+//!
+//! [`hand`] turns the camera as a drag would and [`watch`] times the pictures that come of it; [`encode`] times what a
+//! browser would be sent of them. [`rows`] is what came of it and [`table`] how people read it.
+
+mod case;
+mod encode;
+mod hand;
+mod rows;
+mod table;
+mod watch;
+
+use std::time::Duration;
+
+use anyhow::Context;
+use raywarp::accel::{AccelKind, Quality};
+use raywarp::backend::Device;
+use raywarp::scene::RenderDefaults;
+use raywarp_viewer::live::look::Look;
+use raywarp_viewer::live::{Source, Stage, StageOptions};
+
+use super::machine::Machine;
+use super::options::BenchOptions;
+use super::results::Note;
+use super::suite::{subjects, Subject};
+use crate::interrupt::Interrupt;
+use crate::render::limit_threads;
+use crate::say;
+use case::Case;
+use hand::Hand;
+use rows::{Live, Row};
+
+/// Between two looks at what the stage has ready.
+const NAP: Duration = Duration::from_millis(5);
+
+/// Measures the viewer with every scene that the options name.
+pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
+    let _ends = Interrupt::install();
+    let subjects = subjects(options)?;
+    limit_threads(options.threads)?;
+    let device = Device::open(options.device)?;
+    let mut live = Live::new(Machine::of(&device), options.seconds, options.warmup);
+    for subject in subjects {
+        if let Some(reason) = subject.absent() {
+            live.notes.push(Note::said(&subject.name, reason));
+            continue;
+        }
+        for build in builds(options) {
+            let mut stage = open(&subject, &device, build)?;
+            live.measure(&subject, &mut stage, options)?;
+        }
+    }
+    anyhow::ensure!(!live.rows.is_empty(), "nothing was measured; the notes above say why");
+    let text = if options.json { serde_json::to_string_pretty(&live)? + "\n" } else { live.table() };
+    say::out(text.as_bytes()).context("cannot write the results")
+}
+
+/// Every structure with every quality of tree; no structure: the viewer's own choice.
+fn builds(options: &BenchOptions) -> Vec<RenderDefaults> {
+    let layouts: Vec<Option<AccelKind>> = match options.layout.is_empty() {
+        true => vec![None],
+        false => options.layout.iter().copied().map(Some).collect(),
+    };
+    let Look { max_depth, shadows, .. } = Look::default();
+    let usual = RenderDefaults { max_depth: Some(max_depth), shadows: Some(shadows), ..RenderDefaults::default() };
+    let build = |accel, tree| RenderDefaults { accel, tree: Some(tree), ..usual };
+    let qualities = |accel: Option<AccelKind>| match accel {
+        Some(AccelKind::Brute | AccelKind::Kd) => vec![Quality::default()],
+        _ => options.tree.clone(),
+    };
+    layouts.into_iter().flat_map(|accel| qualities(accel).into_iter().map(move |tree| build(accel, tree))).collect()
+}
+
+/// The scene with its good tree.
+///
+/// # Errors
+/// What the stage says of a scene that it cannot show.
+fn open(subject: &Subject, device: &Device, wishes: RenderDefaults) -> anyhow::Result<Stage> {
+    let source = Source { path: subject.file.clone(), ..Source::default() };
+    let options = StageOptions { wishes, viewpoint: subject.view.clone(), ..StageOptions::default() };
+    let mut stage = Stage::open(source, device.clone(), options);
+    let mut said = None;
+    while let Some(busy) = stage.busy() {
+        if said.as_ref() != Some(&busy) {
+            say::line(&format!("{}: {busy} ...", subject.name));
+            said = Some(busy);
+        }
+        std::thread::sleep(NAP);
+        stage.poll();
+    }
+    if let Some(failure) = stage.take_failure() {
+        return Err(failure.into());
+    }
+    if let Some(notice) = stage.notice().filter(|notice| notice.error) {
+        anyhow::bail!("{}", notice.text);
+    }
+    anyhow::ensure!(stage.is_ready(), "cannot read {}", stage.name());
+    Ok(stage)
+}
+
+impl Live {
+    /// Every size and case of a scene.
+    fn measure(&mut self, subject: &Subject, stage: &mut Stage, options: &BenchOptions) -> anyhow::Result<()> {
+        for size in options.sizes() {
+            for case in Case::ALL {
+                let row = self.row(subject, stage, size, case)?;
+                self.rows.push(row);
+            }
+        }
+        Ok(())
+    }
+
+    fn row(&self, subject: &Subject, stage: &mut Stage, size: [u32; 2], case: Case) -> anyhow::Result<Row> {
+        let mut hand = Hand::new(stage, size, case, &subject.view)?;
+        let status = hand.status();
+        let ([width, height], structure) = (size, &status.accel);
+        anyhow::ensure!(
+            status.triangles > 0,
+            "the scene '{}' has no triangle: there is nothing to look at",
+            subject.name
+        );
+        say::line(&format!("{}: {width}x{height}, {case}, {structure} ...", subject.name));
+        let watched = watch::watch(&mut hand, case, self.seconds, self.warmup)?;
+        Row::new(&subject.name, &status, case, &watched, &hand.rest)
+    }
+}
