@@ -2,56 +2,24 @@
 
 mod common;
 
-use std::io::{BufRead, BufReader};
-use std::process::{Child, Stdio};
 use std::sync::{Mutex, PoisonError};
 
 use common::browser::Browser;
+use common::server::Server;
 use common::{Place, SCENE};
 
 /// One browser at a time: they are heavy.
 static ALONE: Mutex<()> = Mutex::new(());
 
-/// The program with its port open.
-struct Server {
-    child: Child,
-    url: String,
-    place: Place,
+/// A server of a triangle, on the CPU.
+fn serve(arguments: &[&str]) -> Server {
+    let place = Place::new();
+    place.write("scene.toml", SCENE);
+    serve_at(place, "0", arguments)
 }
 
-impl Server {
-    fn start(arguments: &[&str]) -> Self {
-        let place = Place::new();
-        place.write("scene.toml", SCENE);
-        Self::at(place, "0", arguments)
-    }
-
-    fn at(place: Place, port: &str, arguments: &[&str]) -> Self {
-        let words = [&["serve", "scene.toml", "--device", "cpu", "--port", port], arguments].concat();
-        let mut child = place.command(&words).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
-        let mut url = String::new();
-        BufReader::new(child.stdout.take().unwrap()).read_line(&mut url).unwrap();
-        assert!(url.starts_with("http://127.0.0.1:"), "{url}");
-        Self { child, url: url.trim().to_owned(), place }
-    }
-
-    fn port(&self) -> String {
-        self.url.split([':', '/']).nth(4).unwrap().to_owned()
-    }
-
-    /// Ends it as a power cut would.
-    fn kill(mut self) -> Place {
-        self.child.kill().unwrap();
-        self.child.wait().unwrap();
-        std::mem::replace(&mut self.place, Place::new())
-    }
-}
-
-impl Drop for Server {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
+fn serve_at(place: Place, port: &str, arguments: &[&str]) -> Server {
+    Server::at(place, port, &[&["scene.toml", "--device", "cpu"], arguments].concat())
 }
 
 const OPEN: &str = "window.raywarp?.connection === 'open'";
@@ -64,7 +32,7 @@ const PIXELS: &str = "document.getElementById('picture').toDataURL()";
 fn a_page_shows_the_scene_and_follows_the_user() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let Some(browser) = Browser::start() else { return };
-    let server = Server::start(&[]);
+    let server = serve(&[]);
     browser.open(&server.url);
 
     // A picture of the window's size comes, and at last the very pixels.
@@ -107,7 +75,7 @@ fn a_page_shows_the_scene_and_follows_the_user() {
 fn a_page_comes_back_after_the_server_has_been_away() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let Some(browser) = Browser::start() else { return };
-    let server = Server::start(&[]);
+    let server = serve(&[]);
     browser.open(&server.url);
     browser.wait(LOSSLESS);
     let (port, place) = (server.port(), server.kill());
@@ -116,7 +84,7 @@ fn a_page_comes_back_after_the_server_has_been_away() {
     browser.wait("document.getElementById('connection').textContent.startsWith('Connection lost')");
     assert_eq!(browser.get("document.getElementById('picture').dataset.kind"), "png", "the picture stays");
 
-    let server = Server::at(place, &port, &[]);
+    let server = serve_at(place, &port, &[]);
     let before = browser.get("window.raywarp.stats.frames");
     browser.wait(OPEN);
     browser.wait("!document.getElementById('connection').checkVisibility()");
@@ -131,7 +99,7 @@ fn a_page_comes_back_after_the_server_has_been_away() {
 fn two_pages_look_at_once() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let (Some(one), Some(other)) = (Browser::start(), Browser::start()) else { return };
-    let server = Server::start(&[]);
+    let server = serve(&[]);
     for page in [&one, &other] {
         page.open(&server.url);
         page.wait(LOSSLESS);
@@ -148,7 +116,7 @@ fn two_pages_look_at_once() {
 fn a_wrong_token_is_asked_for_again() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let Some(browser) = Browser::start() else { return };
-    let server = Server::start(&["--token=open-sesame"]);
+    let server = serve(&["--token=open-sesame"]);
     assert!(server.url.ends_with("/#token=open-sesame"), "{}", server.url);
     browser.open(&server.url.replace("open-sesame", "open-cesame"));
     browser.wait("document.getElementById('token-words').textContent.includes('token is missing or wrong')");

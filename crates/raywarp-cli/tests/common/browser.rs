@@ -35,15 +35,18 @@ pub struct Browser {
 impl Browser {
     /// None, with a word about it, where no browser is installed and none is demanded.
     pub fn start() -> Option<Self> {
-        let chromium = CHROMIUM.into_iter().find(|path| Path::new(path).exists());
-        let (Some(chromium), true) = (chromium, Path::new(DRIVER).exists()) else {
+        let named = |name: &str| std::env::var(name).ok();
+        let chromium = named("RAYWARP_CHROMIUM")
+            .or_else(|| CHROMIUM.into_iter().find(|path| Path::new(path).exists()).map(str::to_owned));
+        let driver = named("RAYWARP_CHROMEDRIVER").unwrap_or_else(|| DRIVER.to_owned());
+        let (Some(chromium), true) = (chromium, Path::new(&driver).exists()) else {
             let demanded = std::env::var_os("RAYWARP_REQUIRE_BROWSER").is_some_and(|value| value == "1");
             assert!(!demanded, "RAYWARP_REQUIRE_BROWSER=1, and there is no Chromium with {DRIVER}");
             eprintln!("skipped: there is no Chromium with {DRIVER}");
             return None;
         };
         let profile = tempfile::tempdir().unwrap();
-        let mut driver = Command::new(DRIVER).arg("--port=0").stdout(Stdio::piped()).spawn().unwrap();
+        let mut driver = Command::new(driver).arg("--port=0").stdout(Stdio::piped()).spawn().unwrap();
         let mut browser = Self {
             agent: ureq::Agent::new_with_config(ureq::Agent::config_builder().http_status_as_error(false).build()),
             address: format!("http://127.0.0.1:{}", port(&mut driver)),
@@ -70,6 +73,17 @@ impl Browser {
 
     fn command(&self, name: &str, body: &Value) -> Value {
         self.post(&format!("{}/{name}", self.session), body)
+    }
+
+    /// Gives the page so many pixels, about; returns how many it has.
+    pub fn resize(&self, [width, height]: [i64; 2]) -> Value {
+        self.command("window/rect", &json!({"width": width, "height": height}));
+        // The window has a frame, even where nobody sees it.
+        let lacks = self.get("[outerWidth - innerWidth, outerHeight - innerHeight]");
+        let outer = [width, height].into_iter().zip([0, 1]).map(|(side, i)| side + lacks[i].as_i64().unwrap_or(0));
+        let outer: Vec<i64> = outer.collect();
+        self.command("window/rect", &json!({"width": outer[0], "height": outer[1]}));
+        self.get("[innerWidth, innerHeight]")
     }
 
     pub fn open(&self, url: &str) {

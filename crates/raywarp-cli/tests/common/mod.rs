@@ -2,6 +2,7 @@
 #![allow(dead_code, missing_docs)]
 
 pub mod browser;
+pub mod server;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -31,7 +32,9 @@ impl Place {
     }
 
     pub fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_raywarp"));
+        // Where these tests were copied to another machine, the program is elsewhere.
+        let copied = std::env::var_os("RAYWARP_PROGRAM");
+        let mut command = Command::new(copied.unwrap_or_else(|| env!("CARGO_BIN_EXE_raywarp").into()));
         // The trees of tests are nobody's to keep.
         command.env("RAYWARP_CACHE", "");
         command.args(arguments).current_dir(self.0.path()).env("COLUMNS", "100").env_remove("RUST_BACKTRACE");

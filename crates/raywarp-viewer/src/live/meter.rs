@@ -27,6 +27,8 @@ pub(super) struct Meter {
     /// Since when samples become pixels, and how long they have.
     fetching: Option<Instant>,
     fetch_seconds: f64,
+    /// The same of the frame before.
+    fetch_seconds_before: f64,
     pixel_samples: u64,
     samples: [u32; 2],
     traced: [u32; 2],
@@ -41,6 +43,7 @@ impl Meter {
     /// A frame begins.
     pub fn begin(&mut self) {
         (self.start, self.kernel_seconds, self.pixel_samples) = (Some(Instant::now()), 0.0, 0);
+        self.fetch_seconds_before = self.fetch_seconds;
         (self.fetching, self.fetch_seconds) = (None, 0.0);
     }
 
@@ -56,6 +59,11 @@ impl Meter {
         self.kernel_seconds += exposure.kernel_seconds;
         self.pixel_samples += exposure.pixel_samples;
         exposure.complete
+    }
+
+    /// Seconds of tracing that are worth another developing: most of the time should be the former's.
+    pub fn worth(&self) -> f64 {
+        2.0 * self.fetch_seconds_before
     }
 
     /// From here on samples are developed and copied to the host. Said twice, the first counts.

@@ -173,7 +173,7 @@ impl Viewer {
     }
 
     fn screenshot(&mut self) -> Option<Outcome> {
-        let picture = self.shown.as_ref()?;
+        let picture = self.shelf.shown()?;
         let pixels = picture.rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect();
         let [width, height] = picture.size;
         match png::encode(&Rgb8 { width, height, pixels }) {

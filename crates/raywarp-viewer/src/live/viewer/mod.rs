@@ -3,8 +3,8 @@
 mod input;
 mod rendering;
 mod save;
+mod shelf;
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use raywarp::accel::TreeBox;
@@ -22,6 +22,8 @@ use super::pick::Pick;
 use super::pointer::Clicks;
 use super::stage::Ready;
 use super::{Legend, Notice, Panel, Stage, Status};
+
+use shelf::Shelf;
 
 /// Pixels to show.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -64,7 +66,7 @@ pub struct Viewer {
     moved: Option<Duration>,
     last: Option<Duration>,
     staging: Staging<u32>,
-    shown: Option<Arc<Picture>>,
+    shelf: Shelf,
     meter: Meter,
     legend: Option<Legend>,
     notice: Option<Notice>,
@@ -107,7 +109,7 @@ impl Viewer {
             moved: None,
             last: None,
             staging: Staging::default(),
-            shown: None,
+            shelf: Shelf::default(),
             meter: Meter::default(),
             legend: None,
             notice: None,

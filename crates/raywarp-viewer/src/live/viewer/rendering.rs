@@ -19,6 +19,10 @@ const REST: Duration = Duration::from_millis(120);
 /// Between two looks at whether something moves.
 const PAUSE: Duration = Duration::from_millis(1);
 
+/// Longest time in seconds, beyond that of a frame, that a picture at rest refines before it is shown: whoever begins to
+/// move something waits for it.
+const PATIENCE: f64 = 0.15;
+
 /// Longest time that a held key flies at once: after a pause the camera does not leap.
 const LEAP: Duration = Duration::from_millis(100);
 
@@ -51,9 +55,7 @@ impl Viewer {
             None => self.refine(&ready.tracer, &camera)?,
         };
         self.meter.end();
-        let picture = Arc::new(picture);
-        self.shown = Some(Arc::clone(&picture));
-        Ok(Some(picture))
+        Ok(Some(self.shelf.show(picture)))
     }
 
     /// Lets held keys move the camera; whether it moves, or has just done so.
@@ -64,7 +66,7 @@ impl Viewer {
         if control.step(dt) {
             self.restart();
         }
-        if self.lacks == Lacks::Everything && self.shown.is_some() && self.moved.is_none() {
+        if self.lacks == Lacks::Everything && self.shelf.shown().is_some() && self.moved.is_none() {
             self.moved = Some(now);
         }
         held || self.moved.is_some_and(|moved| now.saturating_sub(moved) < REST)
@@ -102,7 +104,7 @@ impl Viewer {
         let complete = match self.lacks {
             Lacks::Developing if film.samples() >= options.spp => true,
             _ => {
-                let budget = Pace::budget(self.look.frame_rate);
+                let budget = Pace::budget(self.look.frame_rate).max(self.meter.worth().min(PATIENCE));
                 self.meter.exposed(tracer.expose(&mut film, camera, &options, budget)?)
             }
         };
@@ -146,10 +148,7 @@ impl Viewer {
     fn fetch(&mut self, tracer: &Tracer, camera: &Camera, film: &Film, settled: bool) -> Result<Picture, ViewerError> {
         self.meter.fetching();
         self.staging.fetch(tracer.device(), film.screen())?;
-        let mut rgba = vec![0; 4 * self.staging.len()];
-        rgba.chunks_exact_mut(4)
-            .zip(self.staging.iter())
-            .for_each(|(to, pixel)| to.copy_from_slice(&pixel.to_le_bytes()));
+        let mut rgba = self.shelf.bytes(&self.staging);
         self.meter.fetched();
         if let Some(level) = self.look.boxes {
             let boxes = match self.boxes.take() {
