@@ -32,3 +32,11 @@ pub enum ViewerError {
     #[error(transparent)]
     Image(#[from] ImageError),
 }
+
+impl ViewerError {
+    /// Whether the device works and has no room: a smaller picture may find some.
+    pub fn is_memory(&self) -> bool {
+        let (Self::Device(device) | Self::Render(RenderError::Device(device))) = self else { return false };
+        matches!(device, DeviceError::Memory { .. })
+    }
+}

@@ -313,6 +313,65 @@ fn a_file_that_changes_is_read_again_and_a_broken_one_leaves_the_picture() {
 }
 
 #[test]
+fn what_is_changed_while_the_scene_is_read_again_counts_once() {
+    let place = Place::new();
+    let mut session = place.open(StageOptions::default());
+    let first = session.rest();
+    session.click(0.65, 0.55);
+    session.set("instance.2.translate", Value::Triple([0.5, 0.0, 0.0]));
+    session.set("lights.add", Value::Flag(true));
+    session.stage.reload();
+    // Nothing of this has a picture in between: the reading goes on.
+    session.set("light.0.intensity", Value::Number(0.5));
+    session.set("light.1.intensity", Value::Number(0.25));
+    let changed = session.rest();
+    session.click(0.7, 0.55);
+    assert_eq!(session.picked("instance").as_deref(), Some("2 'right'"));
+    assert_eq!(session.row("instance.2.translate").value, Value::Triple([0.5, 0.0, 0.0]));
+    let mut scene = read(&place.path());
+    scene.instances[2].transform.translation[0] += 0.5;
+    scene.lights[0].color = [0.5; 3];
+    let kind = raywarp::scene::LightKind::Point { position: session.viewer.camera().unwrap().eye };
+    scene.lights.push(raywarp::scene::Light { kind, color: [0.25; 3], ..Default::default() });
+    assert!(changed == rendered(&scene));
+    session.set("light.1.remove", Value::Flag(true));
+    session.reset("");
+    assert!(session.rest() == first);
+}
+
+#[test]
+fn a_tree_that_was_begun_before_a_change_does_not_undo_it() {
+    let place = Place::new();
+    let mut session = place.open(StageOptions {
+        wishes: raywarp::scene::RenderDefaults { accel: Some(AccelKind::Bvh2), ..Default::default() },
+        at_once: 0,
+        ..StageOptions::default()
+    });
+    while !session.stage.is_ready() {
+        session.stage.poll();
+    }
+    assert!(session.stage.busy().is_some_and(|busy| busy.contains("medium")), "the good tree is being built");
+    session.set("material.0.transmission", Value::Triple([0.5; 3]));
+    let mut scene = read(&place.path());
+    scene.materials[0].transmission = [0.5; 3];
+    assert!(session.rest() == rendered(&scene));
+    assert_eq!(session.viewer.status(&session.stage).accel, "bvh2, medium");
+}
+
+#[test]
+fn an_object_that_was_flat_for_a_while_comes_back_whole() {
+    let place = Place::new();
+    let mut session = place.open(StageOptions::default());
+    let first = session.rest();
+    session.click(0.65, 0.55);
+    // So far away single precision has no room for it.
+    session.set("instance.2.translate", Value::Triple([3e9, 0.0, 0.0]));
+    assert!(session.rest() != first);
+    session.ctrl("z");
+    assert!(session.rest() == first);
+}
+
+#[test]
 fn the_structure_can_be_chosen_and_what_it_cannot_is_told() {
     let place = Place::new();
     let mut session = place.open(StageOptions::default());

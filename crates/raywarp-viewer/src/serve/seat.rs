@@ -26,7 +26,8 @@ pub struct Seat {
     client: Arc<Client>,
     viewer: Viewer,
     size: Size,
-    motion: Motion,
+    /// The last input that may have moved something.
+    moved: Option<Instant>,
     mark: u32,
     frame: u32,
     begun: Option<Instant>,
@@ -39,13 +40,6 @@ pub struct Seat {
 struct Size {
     asked: [u32; 2],
     given: [u32; 2],
-}
-
-/// Whether the client moves something.
-#[derive(Default)]
-struct Motion {
-    held: bool,
-    last: Option<Instant>,
 }
 
 #[derive(Default)]
@@ -63,7 +57,7 @@ impl Seat {
             viewer: Viewer::new(size),
             client,
             size: Size { asked: size, given: size },
-            motion: Motion::default(),
+            moved: None,
             mark: 0,
             frame: 0,
             begun: None,
@@ -76,11 +70,18 @@ impl Seat {
         self.client.is_gone()
     }
 
+    /// Sends the client away, with the reason, as its picture cannot be made.
+    pub fn refuse(&self, error: &ViewerError) -> bool {
+        self.client.outbox.fail(error.to_string());
+        self.client.leave();
+        true
+    }
+
     /// Hands all input to the viewer.
     pub fn take_input(&mut self, stage: &mut Stage) {
         let taken = self.client.take();
         for event in taken.events {
-            self.motion.follow(&event);
+            self.follow(&event);
             self.told.soon |= !matches!(event, Event::Pointer { .. } | Event::Wheel { .. } | Event::Resize { .. });
             match event {
                 Event::Resize { width, height } => self.size.asked = size_within_limits([width, height]),
@@ -96,7 +97,7 @@ impl Seat {
 
     /// Fewer pixels for a client that cannot keep up, while something moves.
     fn fit(&mut self, stage: &mut Stage) {
-        let scale = if self.motion.is_at_rest() { 1.0 } else { self.client.setting().scale };
+        let scale = if self.is_at_rest() { 1.0 } else { self.client.setting().scale };
         let [width, height] = if scale < 1.0 { scaled(self.size.asked, scale) } else { self.size.asked };
         if self.size.given != [width, height] {
             self.size.given = [width, height];
@@ -126,7 +127,7 @@ impl Seat {
         if self.viewer.wants_frame(stage) {
             return if self.client.is_ready() { self.render(stage, now) } else { Ok(false) };
         }
-        let is_due = self.owed.is_some() && self.motion.is_at_rest() && self.client.is_idle();
+        let is_due = self.owed.is_some() && self.is_at_rest() && self.client.is_idle();
         let Some(picture) = self.owed.take_if(|_| is_due) else { return Ok(false) };
         let frame = self.depart(true);
         submit(&self.client, Job { picture, coding: Coding::Lossless, frame, mark: self.mark });
@@ -134,11 +135,8 @@ impl Seat {
     }
 
     fn render(&mut self, stage: &mut Stage, now: Duration) -> Result<bool, ViewerError> {
+        let Some(picture) = self.viewer.frame(stage, now)? else { return Ok(false) };
         let frame = self.depart(false);
-        let Some(picture) = self.viewer.frame(stage, now)? else {
-            self.client.abandon(frame);
-            return Ok(false);
-        };
         self.owed = picture.settled.then(|| Arc::clone(&picture));
         let quality = self.client.setting().jpeg;
         submit(&self.client, Job { picture, coding: Coding::Lossy { quality }, frame, mark: self.mark });
@@ -178,23 +176,15 @@ impl Seat {
             self.told.panel = Some(panel);
         }
     }
-}
 
-impl Motion {
     fn follow(&mut self, event: &Event) {
-        match event {
-            Event::Button { down, .. } | Event::Key { down, .. } => self.held = *down,
-            Event::Blur => self.held = false,
-            // Without a button the pointer only passes by.
-            Event::Pointer { .. } if !self.held => return,
-            _ => {}
-        }
-        if !matches!(event, Event::Resize { .. }) {
-            self.last = Some(Instant::now());
+        let passes_by = matches!(event, Event::Pointer { .. }) && !self.viewer.is_moving();
+        if !passes_by && !matches!(event, Event::Resize { .. }) {
+            self.moved = Some(Instant::now());
         }
     }
 
     fn is_at_rest(&self) -> bool {
-        !self.held && self.last.is_none_or(|last| last.elapsed() > REST)
+        !self.viewer.is_moving() && self.moved.is_none_or(|moved| moved.elapsed() > REST)
     }
 }

@@ -55,8 +55,13 @@ impl Theatre {
             for seat in &mut self.seats {
                 seat.take_input(&mut self.stage);
             }
+            let is_alone = self.seats.len() == 1;
             let Some(seat) = self.seats.get_mut(index) else { break };
-            worked |= seat.step(&mut self.stage, self.opened.elapsed())?;
+            worked |= match seat.step(&mut self.stage, self.opened.elapsed()) {
+                // One page too many is not the end for the others.
+                Err(error) if error.is_memory() && !is_alone => seat.refuse(&error),
+                done => done?,
+            };
             seat.tell(&self.stage, viewers);
             if hall.is_stopping() {
                 break;

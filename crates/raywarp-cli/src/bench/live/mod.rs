@@ -88,11 +88,8 @@ fn open(subject: &Subject, device: &Device, wishes: RenderDefaults) -> anyhow::R
         std::thread::sleep(NAP);
         stage.poll();
     }
-    if let Some(failure) = stage.take_failure() {
-        return Err(failure.into());
-    }
-    if let Some(notice) = stage.notice().filter(|notice| notice.error) {
-        anyhow::bail!("{}", notice.text);
+    if let Some(error) = stage.take_error() {
+        return Err(error.into());
     }
     anyhow::ensure!(stage.is_ready(), "cannot read {}", stage.name());
     Ok(stage)

@@ -85,7 +85,9 @@ impl CameraControl {
     /// Takes another scene, or the same read again: the view stays.
     pub fn rebase(&mut self, home: Camera, cameras: Vec<Camera>, bounds: [[f32; 3]; 2], up: [f32; 3]) {
         let camera = self.camera.clone();
-        *self = Self { aspect: self.aspect, ..Self::new(home, cameras, bounds, up) };
+        // Drags and flights go on.
+        let (pointer, flight) = (std::mem::take(&mut self.pointer), std::mem::take(&mut self.flight));
+        *self = Self { aspect: self.aspect, pointer, flight, ..Self::new(home, cameras, bounds, up) };
         // It could be rendered from before, so it still can.
         let _ = self.set(camera);
     }

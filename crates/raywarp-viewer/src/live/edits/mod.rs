@@ -94,27 +94,35 @@ impl Edits {
     /// places and there are as many lights; the steps are forgotten.
     pub fn rebase(&mut self, scene: &Scene) {
         let mut next = Self::new(scene);
-        let same_lights = next.lights_read == self.lights_read;
+        next.adopt(self);
+        *self = next;
+    }
+
+    /// Takes over what was edited before the scene was read again, as [`rebase`](Self::rebase), instead of its own edits.
+    pub fn adopt(&mut self, before: &Self) {
+        let same_lights = before.lights_read == self.lights_read;
+        self.base.lights.truncate(self.lights_read);
         if same_lights {
-            next.base.lights.extend(self.base.lights.drain(self.lights_read..));
+            self.base.lights.extend_from_slice(&before.base.lights[before.lights_read..]);
         }
-        let base = &self.base;
-        next.history = std::mem::take(&mut self.history);
-        next.history.retain(|&field| match field {
+        let (old, new) = (&before.base, &self.base);
+        let mut history = before.history.clone();
+        history.retain(|&field| match field {
             Field::Light(..) => same_lights,
             Field::Material(i, _) => {
-                let names = [base, &next.base].map(|scene| scene.materials.get(i).map(|m| &m.name));
+                let names = [old, new].map(|scene| scene.materials.get(i).map(|m| &m.name));
                 names[0].is_some() && names[0] == names[1]
             }
             Field::Instance(i, _) => {
-                let names = [base, &next.base].map(|scene| scene.instances.get(i).map(|i| &i.name));
+                let names = [old, new].map(|scene| scene.instances.get(i).map(|i| &i.name));
                 names[0].is_some() && names[0] == names[1]
             }
             Field::Background(_) => true,
         });
-        let fields: Vec<Field> = next.history.changes().keys().copied().collect();
-        next.refresh(fields);
-        *self = next;
+        (self.history, self.edited) = (history, self.base.clone());
+        self.refresh_lights();
+        let fields: Vec<Field> = self.history.changes().keys().copied().collect();
+        self.refresh(fields);
     }
 
     /// Whether the values differ from those of earlier edits of the same scene.

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::SystemTime;
 
 use raywarp::accel::{AccelKind, Build, Quality};
 use raywarp::backend::Device;
@@ -31,6 +32,8 @@ pub struct Prepared {
     pub result: Result<Ready, ViewerError>,
     /// Over all files that were asked for.
     pub watch: Option<Result<Watch, WatchError>>,
+    /// Whether one of them has changed since reading began, and is not known to be read as it is now.
+    pub changed: bool,
 }
 
 /// A scene that can be rendered.
@@ -57,6 +60,7 @@ pub struct Ready {
 
 impl Order {
     pub fn prepare(self) -> Prepared {
+        let begun = SystemTime::now();
         let attempt = match &self.source.path {
             Some(path) => load::attempt(path, &LoadOptions { strict: self.source.strict }),
             None => Attempt { result: load::builtin(), files: Vec::new() },
@@ -64,7 +68,10 @@ impl Order {
         // Before the rest, which takes long: what changes meanwhile is told.
         let watched = self.source.watch && self.source.path.is_some();
         let watch = watched.then(|| Watch::new(&attempt.files, || ()));
-        Prepared { result: attempt.result.map_err(ViewerError::from).and_then(|loaded| self.set_up(loaded)), watch }
+        let is_young = |path: &PathBuf| path.metadata().and_then(|file| file.modified()).is_ok_and(|at| at >= begun);
+        let changed = watched && attempt.files.iter().any(is_young);
+        let result = attempt.result.map_err(ViewerError::from).and_then(|loaded| self.set_up(loaded));
+        Prepared { result, watch, changed }
     }
 
     fn set_up(self, loaded: Loaded) -> Result<Ready, ViewerError> {

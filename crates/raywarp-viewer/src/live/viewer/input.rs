@@ -14,6 +14,10 @@ use crate::live::{Button, Event, Notice, Outcome, Stage};
 impl Viewer {
     /// Takes an event; returns what the front end has to do.
     pub fn handle(&mut self, stage: &mut Stage, event: &Event) -> Vec<Outcome> {
+        if self.generation != stage.generation() {
+            // What was picked is of another scene, which the picture may still show.
+            self.pick = None;
+        }
         if matches!(
             event,
             Event::Key { down: true, .. } | Event::Button { down: true, .. } | Event::Set { .. } | Event::Reset { .. }
@@ -45,10 +49,15 @@ impl Viewer {
 
     /// Pointer and keys.
     fn point_or_press(&mut self, stage: &mut Stage, event: &Event) -> Vec<Outcome> {
+        let click = self.clicks.handle(event, self.aspect());
         if self.drag_object(stage, event) {
+            // Without a button, all that the camera learns is where the pointer is.
+            if matches!(event, Event::Pointer { .. }) {
+                self.steer(event);
+            }
             return Vec::new();
         }
-        match self.clicks.handle(event, self.aspect()) {
+        match click {
             Some(Button::Left) => self.pick = self.under_pointer(stage),
             Some(Button::Middle) => self.focus(stage),
             Some(Button::Right) | None => {}

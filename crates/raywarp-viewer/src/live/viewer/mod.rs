@@ -128,6 +128,11 @@ impl Viewer {
         self.control.as_ref().map(CameraControl::camera)
     }
 
+    /// Whether the camera or an object is held: by a drag, or a key.
+    pub fn is_moving(&self) -> bool {
+        self.object_drag.is_moving() || self.control.as_ref().is_some_and(CameraControl::is_moving)
+    }
+
     fn ask(&mut self, more: Lacks) {
         self.lacks = self.lacks.max(more);
     }
@@ -135,6 +140,7 @@ impl Viewer {
     /// Something moves: a small picture first. The time is known at the next frame.
     fn restart(&mut self) {
         (self.moved, self.lacks) = (None, Lacks::Everything);
+        self.meter.changed();
     }
 
     /// Takes over what the stage has that is new: at a new scene its camera the first time, later the view stays.

@@ -95,6 +95,10 @@ impl Viewer {
     /// More samples of the whole picture.
     fn refine(&mut self, tracer: &Tracer, camera: &Camera) -> Result<Picture, ViewerError> {
         let rate = self.resting.as_ref().or(self.moving.as_ref()).map(Film::rate);
+        if self.lacks == Lacks::Everything {
+            // It would show another view where there is no sample yet.
+            self.moving = None;
+        }
         let mut film = match self.resting.take() {
             Some(film) if film.size() == self.size && self.lacks != Lacks::Everything && !self.resting_is_old => film,
             other => fresh(other, tracer, self.size, rate)?,
@@ -108,9 +112,6 @@ impl Viewer {
                 self.meter.exposed(tracer.expose(&mut film, camera, &options, budget)?)
             }
         };
-        if self.lacks == Lacks::Everything {
-            self.meter.changed();
-        }
         if film.samples() > 0 {
             self.meter.count_rays(tracer, camera, &options, film.rate())?;
         }
@@ -131,12 +132,16 @@ impl Viewer {
         quantity: Quantity,
         is_moving: bool,
     ) -> Result<Picture, ViewerError> {
-        let rate = self.moving.as_ref().map(Film::rate).filter(|_| is_moving && !self.look.reference);
+        let known = self.moving.as_ref().or(self.resting.as_ref()).map(Film::rate);
+        let rate = known.filter(|_| is_moving && !self.look.reference);
         let size = rate.map_or(self.size, |rate| self.pace.size(self.size, rate, self.look.frame_rate));
         let kept = if size == self.size { self.resting.take() } else { self.moving.take() };
         let mut film = fresh(kept, tracer, size, rate)?;
         let painted = tracer.paint(&mut film, camera, &self.look.render_options(size), quantity, None)?;
         self.meter.painted(painted.kernel_seconds, size);
+        if painted.kernel_seconds > 0.0 {
+            film.learn(f64::from(size[0]) * f64::from(size[1]) / painted.kernel_seconds);
+        }
         self.legend = legend(quantity, painted.range, tracer.device().is_cuda());
         let settled = size == self.size;
         let picture = self.fetch(tracer, camera, &film, settled)?;
