@@ -234,7 +234,13 @@ fn a_picked_object_follows_the_pointer() {
         for step in 1..=5 {
             session.handle(Event::Pointer { x: 0.65 + 0.02 * step as f32, y: 0.55 });
             session.frame();
+            if step == 3 {
+                // A hand that pauses has not let go.
+                std::thread::sleep(Duration::from_millis(900));
+            }
         }
+        let held = session.picked("position").unwrap();
+        assert_eq!(session.picked("distance"), None);
         session.key("g", false);
         let moved = session.rest();
         let Value::Triple(shift) = session.row("instance.2.translate").value else { panic!() };
@@ -252,6 +258,7 @@ fn a_picked_object_follows_the_pointer() {
 
         session.ctrl("z");
         assert!(session.rest() == first);
+        assert_ne!(session.picked("position").unwrap(), held);
         // The camera has not seen any of it.
         assert_eq!(session.viewer.camera().unwrap().name, "front");
     }

@@ -130,8 +130,8 @@ bindings! {
     "Views" {
         "N" => Action::View(View::Normals), "normals";
         "Z" => Action::View(View::Depth), "depth";
-        "O" => Action::View(View::Albedo), "own colours";
-        "T" => Action::View(View::Primitives), "triangles";
+        "O" => Action::View(View::Albedo), "albedo, the own colours";
+        "T" => Action::View(View::Primitives), "primitives, a colour a triangle";
         "M" => Action::View(View::Materials), "materials";
         "X" => Action::View(View::Tests), "tests a pixel";
         "L" => Action::View(View::Load), "load";

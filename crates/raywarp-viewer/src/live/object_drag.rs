@@ -11,6 +11,8 @@ pub struct Dragged {
     pub consumed: bool,
     /// The move in world space: for the instance, and for the picked point that goes with it.
     pub by: Option<[f32; 3]>,
+    /// Whether this is its first move since the object was taken hold of.
+    pub begins: bool,
 }
 
 /// Whether the pointer moves the picked object: with G held, or with the left button that went down with Alt.
@@ -19,6 +21,8 @@ pub struct ObjectDrag {
     at: [f32; 2],
     grabs: bool,
     presses: bool,
+    /// Whether the object has not moved since.
+    fresh: bool,
 }
 
 impl ObjectDrag {
@@ -30,15 +34,16 @@ impl ObjectDrag {
                 let from = std::mem::replace(&mut self.at, [*x, *y]);
                 let moves = (self.grabs || self.presses) && is_there;
                 let by = picked.filter(|_| moves).and_then(|point| control.shift(point, from, self.at, aspect));
-                return Dragged { consumed: moves, by };
+                let begins = by.is_some() && std::mem::take(&mut self.fresh);
+                return Dragged { consumed: moves, by, begins };
             }
             Event::Button { button: Button::Left, down: true, modifiers } if modifiers.alt && is_there => {
-                self.presses = true;
+                (self.presses, self.fresh) = (true, true);
                 true
             }
             Event::Button { button: Button::Left, down: false, .. } => std::mem::take(&mut self.presses),
             Event::Key { down: true, .. } if keys::action(event) == Some(Action::Grab) => {
-                self.grabs = true;
+                (self.grabs, self.fresh) = (true, true);
                 true
             }
             Event::Key { key, down: false, .. } if keys::is_key_of(key, Action::Grab) => {
@@ -50,7 +55,7 @@ impl ObjectDrag {
             }
             _ => false,
         };
-        Dragged { consumed, by: None }
+        Dragged { consumed, by: None, begins: false }
     }
 
     /// Whether the pointer moves an object.

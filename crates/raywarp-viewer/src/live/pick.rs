@@ -19,8 +19,8 @@ pub struct Pick {
     pub triangle: u32,
     /// Index of the triangle's material, the instance's own if it has one.
     pub material: usize,
-    /// Distance along the ray in units of its direction: scene units for rays of cameras.
-    pub distance: f32,
+    /// Distance along the ray in units of its direction: scene units for rays of cameras. None once the object has moved.
+    pub distance: Option<f32>,
     /// Weights of the triangle's vertices, in the mesh's order.
     pub weights: [f32; 3],
     /// World position.
@@ -75,7 +75,7 @@ impl Pick {
             mesh: instance.mesh,
             triangle: own,
             material,
-            distance: hit.t,
+            distance: Some(hit.t),
             weights: [1.0 - u - v, u, v],
             position: corners.into(),
             normal: if normal.dot(direction) > 0.0 { -normal } else { normal }.into(),
@@ -87,6 +87,28 @@ impl Pick {
         })
     }
 
+    /// Goes with its object, which has moved.
+    pub fn follow(&mut self, meshes: &[Mesh], scene: &Scene) {
+        if let Some((position, normal)) = self.place(meshes, scene).filter(|(position, _)| *position != self.position) {
+            let side = if dot(normal, self.normal) < 0.0 { -1.0 } else { 1.0 };
+            (self.position, self.normal, self.distance) = (position, normal.map(|x| side * x), None);
+        }
+    }
+
+    /// Position and normal by the instance's transform.
+    fn place(&self, meshes: &[Mesh], scene: &Scene) -> Option<([f32; 3], [f32; 3])> {
+        let (transform, mesh) = (scene.instances.get(self.instance)?.transform, meshes.get(self.mesh)?);
+        let [x, y, z] = transform.columns.map(Vec3::from);
+        let corner = |index: u32| {
+            let p = mesh.positions.get(index as usize)?;
+            Some(x * p[0] + y * p[1] + z * p[2] + Vec3::from(transform.translation))
+        };
+        let [a, b, c] = mesh.triangles.get(self.triangle as usize)?.map(corner);
+        let corners = [a?, b?, c?];
+        let position = corners.iter().zip(self.weights).map(|(corner, weight)| *corner * weight).sum::<Vec3>();
+        Some((position.into(), face_normal(corners).into()))
+    }
+
     /// For the lines over the picture: what, and its value.
     pub fn lines(&self) -> Vec<(String, String)> {
         let [instance, mesh, material] = &self.names;
@@ -96,13 +118,15 @@ impl Pick {
             ("mesh", named(self.mesh, mesh)),
             ("material", named(self.material, material)),
             ("triangle", self.triangle.to_string()),
-            ("distance", Short(self.distance).to_string()),
+            ("distance", self.distance.map(|distance| Short(distance).to_string()).unwrap_or_default()),
             ("w, u, v", [w, u, v].map(share).join(", ")),
             ("position", triple(self.position)),
             ("normal", self.normal.map(share).join(", ")),
         ]
+        .into_iter()
+        .filter(|(_, value)| !value.is_empty())
         .map(|(what, value)| (what.to_owned(), value))
-        .into()
+        .collect()
     }
 }
 
@@ -120,6 +144,10 @@ pub fn instance_bounds(meshes: &[Mesh], scene: &Scene, index: usize) -> Option<[
 fn face_normal([v0, v1, v2]: [Vec3; 3]) -> Vec3 {
     let [a, b] = [v1 - v0, v2 - v0].map(|edge| edge.as_dvec3());
     a.cross(b).normalize_or_zero().as_vec3()
+}
+
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    Vec3::from(a).dot(Vec3::from(b))
 }
 
 fn named(index: usize, name: &str) -> String {
@@ -213,7 +241,7 @@ mod tests {
             assert_eq!(pick.is_none(), surfel.primitive == MISS);
             let Some(pick) = pick else { continue };
             seen.insert((pick.instance, pick.triangle));
-            assert_eq!(pick.distance.to_bits(), surfel.depth.to_bits());
+            assert_eq!(pick.distance.map(f32::to_bits), Some(surfel.depth.to_bits()));
             assert_eq!(pick.material, surfel.material as usize);
             // The weights give the place back in the mesh's own order of vertices.
             let instance = &scene.instances[pick.instance];

@@ -19,7 +19,9 @@ const BAR: Vec2 = vec2(240.0, 12.0);
 /// Lines for the upper left corner.
 pub fn lines(status: &Status) -> Vec<String> {
     let mut speed = vec![format!("{:.1} ms", status.frame_ms)];
-    speed.extend((status.frame_ms > 0.0).then(|| format!("{:.0} FPS", 1e3 / status.frame_ms)));
+    // At rest a picture is refined in steps, and their number a second is nothing to people.
+    let moves = status.samples <= 1 && status.frame_ms > 0.0;
+    speed.extend(moves.then(|| format!("{:.0} FPS", 1e3 / status.frame_ms)));
     speed.extend((status.kernel_ms > 0.0).then(|| format!("kernels {:.1} ms", status.kernel_ms)));
     speed.extend(status.mrays_per_s.map(|rays| format!("{rays:.0} Mrays/s")));
 

@@ -108,6 +108,7 @@ fn number(ui: &mut Ui, mut value: f32, [min, max]: [f32; 2], step: f32) -> Optio
         let logarithmic = step <= 0.0 && min > 0.0 && max / min > 1000.0;
         ui.spacing_mut().slider_width = (ui.available_width() - 100.0).clamp(40.0, 400.0);
         let slider = Slider::new(&mut value, min..=max).logarithmic(logarithmic).clamping(SliderClamping::Edits);
+        let slider = if step >= 1.0 { slider.fixed_decimals(0) } else { slider };
         ui.add(if step > 0.0 { slider.step_by(f64::from(step)) } else { slider })
     } else {
         ui.add(DragValue::new(&mut value).speed(if step > 0.0 { step } else { 0.01 }))

@@ -46,6 +46,8 @@ pub struct CameraControl {
     chosen: Option<usize>,
     world: World,
     extent: Extent,
+    /// Whether the targets of the given cameras are points that somebody chose.
+    aimed: bool,
     aspect: f64,
     pointer: Pointer,
     flight: Flight,
@@ -71,11 +73,12 @@ impl CameraControl {
         Self {
             camera: home.clone(),
             pose,
-            home,
+            chosen: cameras.iter().position(|camera| *camera == home),
             cameras,
-            chosen: None,
+            home,
             world,
             extent,
+            aimed: true,
             aspect: 1.0,
             pointer: Pointer::default(),
             flight: Flight::default(),
@@ -87,9 +90,18 @@ impl CameraControl {
         let camera = self.camera.clone();
         // Drags and flights go on.
         let (pointer, flight) = (std::mem::take(&mut self.pointer), std::mem::take(&mut self.flight));
-        *self = Self { aspect: self.aspect, pointer, flight, ..Self::new(home, cameras, bounds, up) };
+        let (aimed, aspect) = (self.aimed, self.aspect);
+        *self = Self { aimed, aspect, pointer, flight, ..Self::new(home, cameras, bounds, up) };
         // It could be rendered from before, so it still can.
         let _ = self.set(camera);
+    }
+
+    /// Takes the given cameras as directions without targets, as those of glTF are: they turn about the point of their line
+    /// of sight that is nearest to the middle of the scene.
+    pub fn without_targets(mut self) -> Self {
+        self.aimed = false;
+        self.pose.aim_near(self.extent.centre, &self.world);
+        self
     }
 
     /// The camera as it is now.
@@ -224,10 +236,13 @@ impl CameraControl {
     /// # Errors
     /// A sentence where it cannot be rendered from; then nothing changes.
     pub fn set(&mut self, camera: Camera) -> Result<(), String> {
-        let pose = Pose::of(&camera, &self.world).ok_or(
+        let mut pose = Pose::of(&camera, &self.world).ok_or(
             "the camera needs finite coordinates, an eye apart from its target, and a field of view of more than 0 and \
              less than 180 degrees",
         )?;
+        if !self.aimed && (camera == self.home || self.cameras.contains(&camera)) {
+            pose.aim_near(self.extent.centre, &self.world);
+        }
         (self.camera, self.pose) = (camera, pose);
         Ok(())
     }

@@ -80,6 +80,15 @@ impl Pose {
         Some(pose)
     }
 
+    /// Takes the point of the line of sight that is nearest to another as target, if it is before the eye.
+    pub fn aim_near(&mut self, point: DVec3, world: &World) {
+        let (eye, forward) = (self.eye(world), self.axes(world)[2]);
+        let distance = (point - eye).dot(forward);
+        if distance > 0.0 && distance.is_finite() {
+            (self.target, self.distance) = (eye + forward * distance, distance);
+        }
+    }
+
     /// Right, up and forward, orthonormal.
     pub fn axes(&self, world: &World) -> [DVec3; 3] {
         let (sin_yaw, cos_yaw) = self.yaw.sin_cos();

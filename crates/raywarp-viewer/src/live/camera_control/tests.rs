@@ -414,3 +414,26 @@ proptest! {
         prop_assert_eq!(words[7].parse::<f64>().unwrap().to_radians() as f32, fov_y);
     }
 }
+
+#[test]
+fn a_camera_without_a_target_turns_about_what_it_sees() {
+    let bounds = [[-0.1; 3], [0.1; 3]];
+    // As of glTF: a step of one unit, far beyond the scene.
+    let home = Camera { eye: [0.0, 0.0, 0.5], target: [0.0, 0.0, -0.5], ..framing(bounds) };
+    let control = || CameraControl::new(home.clone(), vec![home.clone()], bounds, [0.0, 1.0, 0.0]).without_targets();
+    assert_eq!(control().camera(), &home, "nothing is another picture before something moves");
+    let mut moved = control();
+    moved.handle(&Event::Wheel { notches: 2.0 }, 1.5);
+    let [x, y, z] = moved.camera().eye;
+    assert!(x == 0.0 && y == 0.0 && (z - 0.5 * 0.85f32.powi(2)).abs() < 1e-5, "{z}");
+    // And so after it was chosen again.
+    moved.act(Action::ResetCamera);
+    assert_eq!(moved.camera(), &home);
+    moved.handle(&Event::Wheel { notches: 2.0 }, 1.5);
+    assert!((moved.camera().eye[2] - z).abs() < 1e-6);
+    // Looking away from everything it keeps what it has.
+    let away = Camera { target: [0.0, 0.0, 1.5], ..home };
+    let mut away = CameraControl::new(away, Vec::new(), bounds, [0.0, 1.0, 0.0]).without_targets();
+    away.handle(&Event::Wheel { notches: 1.0 }, 1.5);
+    assert!((away.camera().eye[2] - 0.65).abs() < 1e-5);
+}

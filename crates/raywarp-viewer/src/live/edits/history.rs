@@ -11,6 +11,16 @@ const MOST_STEPS: usize = 256;
 /// Changes of one value that follow each other this fast are one step: the drag of a slider.
 const SAME_STEP: Duration = Duration::from_millis(800);
 
+/// Whether a change is one step with the change of the same field before it.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Join {
+    /// If that was shortly before this time.
+    Soon(Instant),
+    /// In any case: the same drag.
+    Always,
+    Never,
+}
+
 /// Values that differ from those of the files.
 pub(super) type Changes = BTreeMap<Field, Value>;
 
@@ -39,9 +49,8 @@ impl History {
         !self.undone.is_empty()
     }
 
-    /// Gives fields their values, none for those of the files; returns the fields that are others now. With a time it is
-    /// one step with the change of the same field just before, without it is a step of its own.
-    pub fn set(&mut self, wanted: Vec<(Field, Option<Value>)>, now: Option<Instant>) -> Vec<Field> {
+    /// Gives fields their values, none for those of the files; returns the fields that are others now.
+    pub fn set(&mut self, wanted: Vec<(Field, Option<Value>)>, join: Join) -> Vec<Field> {
         let step: Step = wanted
             .into_iter()
             .map(|(field, after)| (field, [self.changes.get(&field).cloned(), after]))
@@ -52,10 +61,14 @@ impl History {
         }
         let touched = self.apply(&step, 1);
         self.undone.clear();
-        let last = std::mem::replace(&mut self.last, now);
-        let soon = now.zip(last).is_some_and(|(now, last)| now.saturating_duration_since(last) < SAME_STEP);
+        let joins = match join {
+            Join::Soon(now) => self.last.is_some_and(|last| now.saturating_duration_since(last) < SAME_STEP),
+            Join::Always => true,
+            Join::Never => false,
+        };
+        self.last = if let Join::Soon(now) = join { Some(now) } else { None };
         match (self.done.back_mut().map(Vec::as_mut_slice), step.as_slice()) {
-            (Some([(field, [_, after])]), [(same, [_, value])]) if soon && field == same => *after = value.clone(),
+            (Some([(field, [_, after])]), [(same, [_, value])]) if joins && field == same => *after = value.clone(),
             _ => self.done.push_back(step),
         }
         if self.done.len() > MOST_STEPS {

@@ -30,7 +30,7 @@ use raywarp::scene::{Camera, Light, LightKind, Scene};
 
 use super::{control_value, Value};
 use field::{Field, LightField};
-use history::History;
+use history::{History, Join};
 
 /// What a change is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -150,10 +150,10 @@ impl Edits {
     /// # Errors
     /// A sentence where there is no such row or it cannot take the value; then nothing changes.
     pub fn set(&mut self, id: &str, value: &Value) -> Result<Vec<Touched>, String> {
-        self.set_at(id, value, Some(Instant::now()))
+        self.set_at(id, value, Join::Soon(Instant::now()))
     }
 
-    fn set_at(&mut self, id: &str, value: &Value, now: Option<Instant>) -> Result<Vec<Touched>, String> {
+    fn set_at(&mut self, id: &str, value: &Value, join: Join) -> Result<Vec<Touched>, String> {
         if let Some(index) = id.strip_prefix("light.").and_then(|rest| rest.strip_suffix(".remove")) {
             return self.remove_light(index.parse().ok());
         }
@@ -166,7 +166,7 @@ impl Edits {
             return Err(refuse("is not zero".to_owned()));
         }
         let wanted = (*value != default).then(|| value.clone());
-        let touched = self.history.set(vec![(field, wanted)], now);
+        let touched = self.history.set(vec![(field, wanted)], join);
         Ok(self.refresh(touched))
     }
 
@@ -178,7 +178,7 @@ impl Edits {
         wanted.retain(|&field| id.is_empty() || named == Some(field) || field.is_within(id));
         // An added light stays, with the values that it was added with, unless all is reset.
         wanted.retain(|field| id.is_empty() || id == "lights" || !matches!(field, Field::Light(_, LightField::There)));
-        let touched = self.history.set(wanted.into_iter().map(|field| (field, None)).collect(), None);
+        let touched = self.history.set(wanted.into_iter().map(|field| (field, None)).collect(), Join::Never);
         self.refresh(touched)
     }
 
@@ -207,7 +207,8 @@ impl Edits {
         let name = format!("added {}", added + 1);
         let kind = LightKind::Point { position: camera.eye };
         self.base.lights.push(Light { name, kind, ..Light::default() });
-        let touched = self.history.set(vec![(Field::Light(index, LightField::There), Some(Value::Flag(true)))], None);
+        let touched =
+            self.history.set(vec![(Field::Light(index, LightField::There), Some(Value::Flag(true)))], Join::Never);
         Ok(self.refresh(touched))
     }
 
@@ -216,17 +217,18 @@ impl Edits {
         let index = added.ok_or("only lights that were added can be removed; others can be turned off")?;
         let of_it = |field: &&Field| matches!(field, Field::Light(light, _) if *light == index);
         let fields = self.history.changes().keys().filter(of_it).map(|&field| (field, None)).collect();
-        let touched = self.history.set(fields, None);
+        let touched = self.history.set(fields, Join::Never);
         Ok(self.refresh(touched))
     }
 
-    /// Shifts an instance from where it is now; one drag is one step.
-    pub fn shift_instance(&mut self, index: usize, by: [f32; 3]) -> Vec<Touched> {
+    /// Shifts an instance from where it is now, in a step of its own or as a part of the one before.
+    pub fn shift_instance(&mut self, index: usize, by: [f32; 3], goes_on: bool) -> Vec<Touched> {
         let id = format!("instance.{index}.translate");
         let Some(Value::Triple(now)) = Field::of(&id).and_then(|field| self.value(field)) else { return Vec::new() };
         let to = [0, 1, 2].map(|i| now[i] + by[i]);
         // What cannot be is refused there.
-        self.set(&id, &Value::Triple(to)).unwrap_or_default()
+        let join = if goes_on { Join::Always } else { Join::Never };
+        self.set_at(&id, &Value::Triple(to), join).unwrap_or_default()
     }
 
     fn is_there(&self, light: usize) -> bool {

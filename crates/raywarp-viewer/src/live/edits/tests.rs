@@ -6,6 +6,7 @@ use proptest::prelude::*;
 use raywarp::render::framing;
 use raywarp::scene::{AlphaMode, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 
+use super::history::Join;
 use super::{Edits, Touched};
 use crate::live::{Control, Value};
 
@@ -85,10 +86,10 @@ fn the_drag_of_a_slider_is_one_step() {
     let start = Instant::now();
     for i in 1..50u64 {
         let now = start + Duration::from_millis(20 * i);
-        edits.set_at("material.0.opacity", &number(1.0 - i as f32 / 100.0), Some(now)).unwrap();
+        edits.set_at("material.0.opacity", &number(1.0 - i as f32 / 100.0), Join::Soon(now)).unwrap();
     }
-    edits.set_at("material.0.ior", &number(1.5), Some(start + Duration::from_secs(1))).unwrap();
-    edits.set_at("material.0.ior", &number(1.6), Some(start + Duration::from_secs(3))).unwrap();
+    edits.set_at("material.0.ior", &number(1.5), Join::Soon(start + Duration::from_secs(1))).unwrap();
+    edits.set_at("material.0.ior", &number(1.6), Join::Soon(start + Duration::from_secs(3))).unwrap();
     assert_eq!((edits.scene().materials[0].alpha, edits.scene().materials[0].opacity), (AlphaMode::Blend, 0.51));
     edits.undo();
     assert_eq!(edits.scene().materials[0].ior, 1.5);
@@ -105,7 +106,7 @@ fn the_drag_of_a_slider_is_one_step() {
 fn steps_are_kept_in_bounds() {
     let mut edits = Edits::new(&scene());
     for i in 0..1000 {
-        edits.set_at("material.0.shininess", &number(1.0 + i as f32 / 10.0), None).unwrap();
+        edits.set_at("material.0.shininess", &number(1.0 + i as f32 / 10.0), Join::Never).unwrap();
     }
     let undone = (0..1000).take_while(|_| !edits.undo().is_empty()).count();
     assert_eq!(undone, 256);
@@ -195,8 +196,12 @@ fn what_cannot_be_is_refused_with_a_sentence() {
         let error = edits.set(id, &value).unwrap_err();
         assert!(error.contains(part), "{id}: {error}");
     }
-    assert!(!edits.is_changed() && edits.reset("nonsense").is_empty() && edits.shift_instance(7, [1.0; 3]).is_empty());
-    assert_eq!(edits.shift_instance(0, [f32::INFINITY, 0.0, 0.0]), []);
+    assert!(
+        !edits.is_changed()
+            && edits.reset("nonsense").is_empty()
+            && edits.shift_instance(7, [1.0; 3], false).is_empty()
+    );
+    assert_eq!(edits.shift_instance(0, [f32::INFINITY, 0.0, 0.0], false), []);
 }
 
 #[test]
@@ -267,7 +272,7 @@ proptest! {
         let camera = framing([[-1.0; 3], [1.0; 3]]);
         for deed in deeds {
             match deed {
-                Deed::Set(id, value) => _ = edits.set_at(&id, &value, None),
+                Deed::Set(id, value) => _ = edits.set_at(&id, &value, Join::Never),
                 Deed::Reset(id) => _ = edits.reset(&id),
                 Deed::Undo => _ = edits.undo(),
                 Deed::Redo => _ = edits.redo(),

@@ -46,7 +46,7 @@ impl Bench {
             mesh: 0,
             triangle: 0,
             material: 0,
-            distance: 1.0,
+            distance: Some(1.0),
             weights: [1.0, 0.0, 0.0],
             position: [0.0; 3],
             normal: [0.0, 0.0, 1.0],

@@ -11,7 +11,7 @@ mod beside;
 mod prepare;
 mod structures;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use raywarp::accel::Build;
 use raywarp::backend::Device;
@@ -39,6 +39,12 @@ pub struct Source {
 }
 
 impl Source {
+    /// Whether it is glTF, whose cameras have a direction and no target.
+    pub(super) fn is_gltf(&self) -> bool {
+        let extension = self.path.as_deref().and_then(Path::extension);
+        extension.is_some_and(|own| ["gltf", "glb"].iter().any(|gltf| own.eq_ignore_ascii_case(gltf)))
+    }
+
     /// For people: the file's name.
     pub fn name(&self) -> String {
         let file = self.path.as_ref().and_then(|path| path.file_name());

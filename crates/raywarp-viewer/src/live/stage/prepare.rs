@@ -6,7 +6,7 @@ use std::time::SystemTime;
 
 use raywarp::accel::{AccelKind, Build, Quality};
 use raywarp::backend::Device;
-use raywarp::render::{world_triangles, Structure, Tracer};
+use raywarp::render::{self, world_triangles, Structure, Tracer};
 use raywarp::scene::load::{self, Attempt};
 use raywarp::scene::{Camera, Instance, LoadOptions, Loaded, Material, RenderDefaults, Scene};
 
@@ -50,10 +50,14 @@ pub struct Ready {
     pub placed: Vec<Instance>,
     /// The first view, and the cameras of the scene.
     pub home: Camera,
+    /// Whether those have targets: the ones of glTF have a direction alone.
+    pub aimed: bool,
     /// Options that people have not changed.
     pub usual: Look,
     /// The structure that files and options ask for.
     pub first: Build,
+    /// The one that the files alone ask for.
+    pub natural: Build,
     /// What people should know of the files, a sentence each.
     pub warnings: Vec<String>,
 }
@@ -86,7 +90,8 @@ impl Order {
         };
         edits.apply(&mut scene);
         let wishes = self.options.wishes.or(&read.render);
-        let first = build_of(&wishes, &self.device, self.options.cached);
+        let build = |wishes| build_of(wishes, &self.device, self.options.cached);
+        let (first, natural) = (build(&wishes), build(&read.render));
         let good = self.chosen.unwrap_or(first);
         let count: usize =
             scene.instances.iter().map(|i| scene.meshes.get(i.mesh).map_or(0, |mesh| mesh.triangles.len())).sum();
@@ -96,12 +101,27 @@ impl Order {
         dropped.allow(self.source.strict)?;
         tracer.structure().load_kernels(&self.device)?;
         let home = self.options.viewpoint.of(&scene.cameras, tracer.default_camera())?;
+        render::check_camera(&home)?;
+        let aimed = self.options.viewpoint.target.is_some() || scene.cameras.is_empty() || !self.source.is_gltf();
         let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
         if dropped.count() > 0 {
             warnings.push(format!("triangles that no ray can hit, {} of them, are dropped", dropped.count()));
         }
         let (placed, usual) = (scene.instances.clone(), Look::of(&wishes));
-        Ok(Ready { tracer, scene: Arc::new(scene), read, files, edits, placed, home, usual, first, warnings })
+        Ok(Ready {
+            tracer,
+            scene: Arc::new(scene),
+            read,
+            files,
+            edits,
+            placed,
+            home,
+            aimed,
+            usual,
+            natural,
+            first,
+            warnings,
+        })
     }
 }
 

@@ -94,14 +94,19 @@ impl Viewer {
     fn drag_object(&mut self, stage: &mut Stage, event: &Event) -> bool {
         let (aspect, Some(control)) = (self.aspect(), &self.control) else { return false };
         let dragged = self.object_drag.handle(event, aspect, self.pick.as_ref().map(|pick| pick.position), control);
-        if let (Some(by), Some(pick), Some(edits)) = (dragged.by, &mut self.pick, stage.edits_mut()) {
-            let touched = edits.shift_instance(pick.instance, by);
-            if !touched.is_empty() {
-                pick.position = [0, 1, 2].map(|i| pick.position[i] + by[i]);
-            }
+        if let (Some(by), Some(pick), Some(edits)) = (dragged.by, &self.pick, stage.edits_mut()) {
+            let touched = edits.shift_instance(pick.instance, by, !dragged.begins);
             stage.bring(&touched);
+            self.follow_pick(stage);
         }
         dragged.consumed
+    }
+
+    /// Keeps the picked point where it is on its object.
+    fn follow_pick(&mut self, stage: &Stage) {
+        if let (Some(pick), Some(ready)) = (&mut self.pick, stage.ready()) {
+            pick.follow(&ready.scene.meshes, ready.edits.scene());
+        }
     }
 
     fn at_desk<T>(&mut self, stage: &mut Stage, work: impl FnOnce(&mut Desk) -> T) -> T {
@@ -117,7 +122,10 @@ impl Viewer {
             Effect::Develop => self.ask(Lacks::Developing),
             Effect::Picture => self.restart(),
             Effect::Build(build) => stage.choose(build),
-            Effect::Scene(touched) => stage.bring(&touched),
+            Effect::Scene(touched) => {
+                stage.bring(&touched);
+                self.follow_pick(stage);
+            }
             Effect::Act(action) => return self.act(stage, action, &Event::Blur),
         }
         Vec::new()
@@ -127,7 +135,7 @@ impl Viewer {
     fn act(&mut self, stage: &mut Stage, action: Action, event: &Event) -> Vec<Outcome> {
         let outcome = match action {
             Action::Screenshot => self.screenshot(),
-            Action::CopyCamera => self.control.as_ref().map(|control| Outcome::Copy(control.flags())),
+            Action::CopyCamera => self.copy_camera(),
             Action::Quit => Some(Outcome::Quit),
             Action::Reload => (stage.reload(), None).1,
             Action::Undo => self.change_back(stage, |edits| edits.undo()),
@@ -148,6 +156,7 @@ impl Viewer {
     ) -> Option<Outcome> {
         let touched = stage.edits_mut().map(step).unwrap_or_default();
         stage.bring(&touched);
+        self.follow_pick(stage);
         None
     }
 
@@ -181,6 +190,12 @@ impl Viewer {
         }
     }
 
+    fn copy_camera(&mut self) -> Option<Outcome> {
+        let flags = self.control.as_ref()?.flags();
+        self.notice = Some(Notice { text: format!("copied: {flags}"), error: false });
+        Some(Outcome::Copy(flags))
+    }
+
     fn screenshot(&mut self) -> Option<Outcome> {
         let picture = self.shelf.shown()?;
         let pixels = picture.rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect();
@@ -193,7 +208,7 @@ impl Viewer {
 
     fn save(&mut self, stage: &Stage) -> Option<Outcome> {
         let (ready, camera) = (stage.ready()?, self.camera()?.clone());
-        match super::save::scene_file(stage, ready, &self.look, camera) {
+        match super::save::scene_file(stage, ready, &self.look, camera, self.size) {
             Ok(outcome) => Some(outcome),
             Err(error) => (self.refuse(error), None).1,
         }

@@ -163,7 +163,10 @@ impl Viewer {
             let (cameras, up) = (ready.scene.cameras.clone(), [0.0, 1.0, 0.0]);
             match &mut self.control {
                 Some(control) => control.rebase(home, cameras, bounds, up),
-                None => self.control = Some(CameraControl::new(home, cameras, bounds, up)),
+                None => {
+                    let control = CameraControl::new(home, cameras, bounds, up);
+                    self.control = Some(if ready.aimed { control } else { control.without_targets() });
+                }
             }
         }
     }

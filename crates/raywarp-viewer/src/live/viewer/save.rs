@@ -11,7 +11,13 @@ use crate::live::{Outcome, Stage};
 
 /// A file to be kept in the folder that the program was started in, from where it names the original: edits, options, and
 /// the camera first of all.
-pub fn scene_file(stage: &Stage, ready: &Ready, look: &Look, camera: Camera) -> Result<Outcome, SaveError> {
+pub fn scene_file(
+    stage: &Stage,
+    ready: &Ready,
+    look: &Look,
+    camera: Camera,
+    size: [u32; 2],
+) -> Result<Outcome, SaveError> {
     let path = stage.source().path.as_deref();
     let original = match path {
         Some(path) => Original::File { path, files: &ready.files },
@@ -21,10 +27,14 @@ pub fn scene_file(stage: &Stage, ready: &Ready, look: &Look, camera: Camera) -> 
     if now.cameras.first() != Some(&camera) {
         now.cameras.insert(0, camera);
     }
-    let [wanted, first] = stage.builds();
+    let ([wanted, _], natural) = (stage.builds(), ready.natural);
+    // What `raywarp render` would do without being told.
+    let plain = ready.read.render.options();
     let chosen = RenderDefaults {
-        accel: (wanted.kind != first.kind).then_some(wanted.kind),
-        tree: (wanted.quality != first.quality).then_some(wanted.quality),
+        size: (size != plain.size).then_some(size),
+        spp: (look.spp != plain.spp).then_some(look.spp),
+        accel: (wanted.kind != natural.kind).then_some(wanted.kind),
+        tree: (wanted.quality != natural.quality).then_some(wanted.quality),
         ..look.wishes(&Look::of(&ready.read.render))
     };
     now.render = chosen.or(&now.render);
