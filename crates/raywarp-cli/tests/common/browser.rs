@@ -9,9 +9,11 @@ use serde_json::{json, Value};
 
 const CHROMIUM: [&str; 2] = ["/usr/bin/chromium", "/usr/bin/google-chrome"];
 const DRIVER: &str = "/usr/bin/chromedriver";
-const FLAGS: [&str; 9] = [
+const FLAGS: [&str; 10] = [
     "--headless=new",
     "--no-sandbox",
+    // Containers give it 64 MB.
+    "--disable-dev-shm-usage",
     "--disable-gpu",
     "--disable-quic",
     "--no-first-run",
