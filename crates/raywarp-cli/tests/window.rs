@@ -53,7 +53,7 @@ fn people_look_keep_a_picture_and_leave() {
     shown.wait_until("the picture", |picture| picture.shows_the_scene());
     assert_eq!(shown.title(), "red.toml - raywarp");
 
-    let before = shown.picture();
+    let before = shown.at_rest();
     shown.press('h');
     shown.wait_until("the help", |picture| picture != &before && picture.differs_much_from(&before));
     shown.press('h');
@@ -217,13 +217,27 @@ impl Shown<'_> {
     }
 
     #[track_caller]
-    fn wait_until(&mut self, what: &str, holds: impl Fn(&Picture) -> bool) {
+    fn wait_until(&mut self, what: &str, mut holds: impl FnMut(&Picture) -> bool) {
         let start = Instant::now();
         while !holds(&self.picture()) {
             let ended = self.program.try_wait().unwrap();
             assert!(ended.is_none() && start.elapsed() < PATIENCE, "{what} does not come; {ended:?}");
             std::thread::sleep(Duration::from_millis(20));
         }
+    }
+
+    /// What the window shows once nothing of it changes any more.
+    #[track_caller]
+    fn at_rest(&mut self) -> Picture {
+        let mut last = self.picture();
+        let mut since = Instant::now();
+        self.wait_until("rest", |picture| {
+            if picture != &last {
+                (last, since) = (picture.clone(), Instant::now());
+            }
+            since.elapsed() > Duration::from_secs(1)
+        });
+        last
     }
 
     /// Presses and releases the key of a letter.
@@ -273,7 +287,7 @@ impl Drop for Shown<'_> {
 }
 
 /// Pixels of a window.
-#[derive(PartialEq)]
+#[derive(Clone, PartialEq)]
 struct Picture {
     size: [u16; 2],
     pixels: Vec<[u8; 3]>,
