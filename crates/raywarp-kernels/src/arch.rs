@@ -122,6 +122,250 @@ pub fn uniform(value: u32) -> bool {
     }
 }
 
+/// Threads that run together, in step where they can: 32 on a GPU, one on the CPU.
+pub const WARP: u32 = if cfg!(target_arch = "nvptx64") { 32 } else { 1 };
+
+/// Which thread of its warp this is.
+#[inline(always)]
+pub fn lane() -> u32 {
+    #[cfg(target_arch = "nvptx64")]
+    {
+        let lane: u32;
+        // SAFETY: reads a special register.
+        unsafe { core::arch::asm!("mov.u32 {l}, %laneid;", l = out(reg32) lane, options(pure, nomem, nostack)) };
+        lane
+    }
+    #[cfg(not(target_arch = "nvptx64"))]
+    0
+}
+
+/// The threads of the warp that are together here and now, a bit each.
+#[inline(always)]
+pub fn together() -> u32 {
+    #[cfg(target_arch = "nvptx64")]
+    {
+        let mask: u32;
+        // SAFETY: has no precondition; volatile, as the answer changes from place to place.
+        unsafe { core::arch::asm!("activemask.b32 {m};", m = out(reg32) mask, options(nomem, nostack)) };
+        mask
+    }
+    #[cfg(not(target_arch = "nvptx64"))]
+    1
+}
+
+/// Which threads of a warp say yes, a bit each.
+///
+/// # Safety
+/// All threads of `mask` come here with the same mask, and this is one of them.
+#[inline(always)]
+pub unsafe fn ballot(mask: u32, value: bool) -> u32 {
+    #[cfg(target_arch = "nvptx64")]
+    {
+        let votes: u32;
+        // SAFETY: the caller's promise.
+        unsafe {
+            core::arch::asm!(
+                "{{ .reg .pred p; setp.ne.u32 p, {v}, 0; vote.sync.ballot.b32 {r}, p, {m}; }}",
+                v = in(reg32) value as u32, m = in(reg32) mask, r = out(reg32) votes, options(nostack));
+        }
+        votes
+    }
+    #[cfg(not(target_arch = "nvptx64"))]
+    {
+        mask & value as u32
+    }
+}
+
+/// Whether all threads that are together here say yes.
+#[inline(always)]
+pub fn all(value: bool) -> bool {
+    let here = together();
+    // SAFETY: those that are together come here together.
+    unsafe { ballot(here, !value) == 0 }
+}
+
+/// The value that another thread of the warp has.
+///
+/// # Safety
+/// As for [`ballot`]; `lane` is a thread of `mask`.
+#[inline(always)]
+pub unsafe fn broadcast(mask: u32, value: u32, lane: u32) -> u32 {
+    #[cfg(target_arch = "nvptx64")]
+    {
+        let result: u32;
+        // SAFETY: the caller's promise.
+        unsafe {
+            core::arch::asm!("shfl.sync.idx.b32 {r}, {v}, {l}, 31, {m};", r = out(reg32) result, v = in(reg32) value,
+                l = in(reg32) lane, m = in(reg32) mask, options(nostack));
+        }
+        result
+    }
+    #[cfg(not(target_arch = "nvptx64"))]
+    {
+        let _ = (mask, lane);
+        value
+    }
+}
+
+/// Waits for threads of the warp; what each wrote to memory before, all see after.
+///
+/// # Safety
+/// As for [`ballot`].
+#[inline(always)]
+pub unsafe fn meet(mask: u32) {
+    #[cfg(target_arch = "nvptx64")]
+    // SAFETY: the caller's promise.
+    unsafe {
+        core::arch::asm!("bar.warp.sync {m};", m = in(reg32) mask, options(nostack))
+    };
+    #[cfg(not(target_arch = "nvptx64"))]
+    let _ = mask;
+}
+
+/// The threads of the warp with smaller numbers than this one, a bit each.
+#[inline(always)]
+pub fn lanes_below() -> u32 {
+    (1 << lane()) - 1
+}
+
+/// Most threads of a block.
+#[cfg(target_arch = "nvptx64")]
+const TRAYS: u32 = 256;
+
+/// A place for a triangle in memory that the threads of a warp share.
+pub struct Tray {
+    #[cfg(target_arch = "nvptx64")]
+    first: u32,
+    #[cfg(not(target_arch = "nvptx64"))]
+    triangle: core::mem::MaybeUninit<crate::triangle::Triangle>,
+}
+
+impl Tray {
+    /// Of this thread, in a block of at most 256 threads.
+    #[inline(always)]
+    pub fn new() -> Self {
+        #[cfg(target_arch = "nvptx64")]
+        {
+            let block: u32;
+            // SAFETY: names memory of the block, and changes nothing.
+            unsafe {
+                core::arch::asm!("{{ .shared .align 16 .b8 tray[{size}]; mov.u32 {a}, tray; }}", a = out(reg32) block,
+                    size = const TRAYS * 48, options(pure, nomem, nostack));
+            }
+            // SAFETY: reading special registers has no precondition.
+            let thread = unsafe {
+                use core::arch::nvptx::*;
+                (_thread_idx_y() * _block_dim_x() + _thread_idx_x()) as u32
+            };
+            Self { first: block + (thread & (TRAYS - 32)) * 48 }
+        }
+        #[cfg(not(target_arch = "nvptx64"))]
+        Self { triangle: core::mem::MaybeUninit::uninit() }
+    }
+
+    /// Puts a triangle into this thread's place.
+    ///
+    /// # Safety
+    /// No other thread reads it before the next [`meet`].
+    #[inline(always)]
+    pub unsafe fn put(&mut self, triangle: &crate::triangle::Triangle) {
+        #[cfg(target_arch = "nvptx64")]
+        {
+            let words = triangle as *const crate::triangle::Triangle as *const [f32; 4];
+            let mut i = 0;
+            while i < 3 {
+                // SAFETY: a triangle is three such words, and a place holds one.
+                unsafe {
+                    let [x, y, z, w] = *words.add(i);
+                    core::arch::asm!("st.shared.v4.f32 [{p}], {{{x}, {y}, {z}, {w}}};",
+                        p = in(reg32) self.first + lane() * 48 + 16 * i as u32, x = in(reg32) x, y = in(reg32) y,
+                        z = in(reg32) z, w = in(reg32) w, options(nostack));
+                }
+                i += 1;
+            }
+        }
+        #[cfg(not(target_arch = "nvptx64"))]
+        {
+            self.triangle.write(*triangle);
+        }
+    }
+
+    /// The triangle that a thread of this warp has put into its place.
+    ///
+    /// # Safety
+    /// It has, before the last [`meet`] with this one.
+    #[inline(always)]
+    pub unsafe fn get(&self, lane: u32) -> crate::triangle::Triangle {
+        #[cfg(target_arch = "nvptx64")]
+        {
+            let mut triangle = core::mem::MaybeUninit::<crate::triangle::Triangle>::uninit();
+            let words = triangle.as_mut_ptr() as *mut [f32; 4];
+            let mut i = 0;
+            while i < 3 {
+                let (x, y, z, w): (f32, f32, f32, f32);
+                // SAFETY: as in `put`.
+                unsafe {
+                    core::arch::asm!("ld.shared.v4.f32 {{{x}, {y}, {z}, {w}}}, [{p}];",
+                        p = in(reg32) self.first + lane * 48 + 16 * i as u32, x = out(reg32) x, y = out(reg32) y,
+                        z = out(reg32) z, w = out(reg32) w, options(nostack));
+                    words.add(i).write([x, y, z, w]);
+                }
+                i += 1;
+            }
+            // SAFETY: all three words were written, and any bits are a triangle.
+            unsafe { triangle.assume_init() }
+        }
+        #[cfg(not(target_arch = "nvptx64"))]
+        {
+            let _ = lane;
+            // SAFETY: the caller's promise.
+            unsafe { self.triangle.assume_init() }
+        }
+    }
+}
+
+/// Adds to a number that other threads add to as well; returns what it was.
+///
+/// # Safety
+/// `number` is valid for the launch, and only ever touched by this.
+#[inline(always)]
+pub unsafe fn add(number: *mut u32, more: u32) -> u32 {
+    #[cfg(target_arch = "nvptx64")]
+    {
+        let before: u32;
+        // SAFETY: the caller's promise.
+        unsafe {
+            core::arch::asm!("atom.global.add.u32 {r}, [{p}], {v};", r = out(reg32) before, p = in(reg64) number,
+                v = in(reg32) more, options(nostack));
+        }
+        before
+    }
+    #[cfg(not(target_arch = "nvptx64"))]
+    // SAFETY: the caller's promise; a `u32` in memory is an atomic one.
+    unsafe { core::sync::atomic::AtomicU32::from_ptr(number) }.fetch_add(more, core::sync::atomic::Ordering::AcqRel)
+}
+
+/// Reads a number that other threads may be adding to.
+///
+/// # Safety
+/// As for [`add`].
+#[inline(always)]
+pub unsafe fn read(number: *mut u32) -> u32 {
+    #[cfg(target_arch = "nvptx64")]
+    {
+        let now: u32;
+        // SAFETY: the caller's promise.
+        unsafe {
+            core::arch::asm!("ld.volatile.global.u32 {r}, [{p}];", r = out(reg32) now, p = in(reg64) number,
+                options(nostack));
+        }
+        now
+    }
+    #[cfg(not(target_arch = "nvptx64"))]
+    // SAFETY: the caller's promise.
+    unsafe { core::sync::atomic::AtomicU32::from_ptr(number) }.load(core::sync::atomic::Ordering::Acquire)
+}
+
 /// A stack of links to nodes that are still to be visited, with [`Links::END`] at its bottom.
 ///
 /// On the GPU it is addressed within the thread's local memory, and its every step is predicated: as plain code each
@@ -131,7 +375,6 @@ pub struct Links<'a, const N: usize> {
     top: u32,
     #[cfg(not(target_arch = "nvptx64"))]
     top: usize,
-    #[cfg_attr(target_arch = "nvptx64", expect(dead_code, reason = "held for as long as `top` points into it"))]
     room: &'a mut [core::mem::MaybeUninit<u32>; N],
 }
 
@@ -168,6 +411,22 @@ impl<'a, const N: usize> Links<'a, N> {
         {
             room[0].write(Self::END);
             Self { top: 1, room }
+        }
+    }
+
+    /// With nothing on it again, whatever was.
+    #[inline(always)]
+    pub fn clear(&mut self) {
+        #[cfg(target_arch = "nvptx64")]
+        // SAFETY: as in `new`, whose `END` is still at the bottom.
+        unsafe {
+            core::arch::asm!(
+                "{{ .reg .b64 a; cvta.to.local.u64 a, {p}; cvt.u32.u64 {s}, a; add.u32 {s}, {s}, 4; }}",
+                p = in(reg64) self.room.as_mut_ptr(), s = out(reg32) self.top, options(nostack));
+        }
+        #[cfg(not(target_arch = "nvptx64"))]
+        {
+            self.top = 1;
         }
     }
 

@@ -11,7 +11,7 @@ use crate::sample::{combine, stratified};
 use crate::shade::whitted::{trace, visible, Limits};
 use crate::surface::Scene;
 use crate::traverse::{
-    all, closest, occlusion, Counter, Keep, Occlusion, Structure, Tests, Uncollected, Uncounted, START,
+    all, closest, occlusion, Keep, Kept, Occlusion, Stage, Structure, Uncollected, Uncounted, START,
 };
 use crate::view::{View, ViewMut};
 
@@ -69,8 +69,7 @@ impl Frame {
 
 /// Adds samples of the paper's shading to the film, one thread a pixel.
 #[repr(C)]
-#[derive(Debug)]
-pub struct Whitted<S, C> {
+pub struct Whitted<S, C: Kept> {
     /// Where to find hits.
     pub structure: S,
     /// What is there.
@@ -81,15 +80,15 @@ pub struct Whitted<S, C> {
     pub limits: Limits,
     /// Sums, read and written.
     pub film: ViewMut<Pixel>,
-    /// Counts, read and written where `C` counts.
-    pub tests: ViewMut<Tests>,
+    /// What `C` counts, read and written.
+    pub counts: ViewMut<C::Record>,
     /// Time that the pixel's thread took, see [`arch::clock`], read and written where `C` counts.
     pub ticks: ViewMut<u32>,
     /// Whether to count.
     pub counter: PhantomData<C>,
 }
 
-impl<S: Structure, C: Counter> Whitted<S, C> {
+impl<S: Structure, C: Kept> Whitted<S, C> {
     #[inline(always)]
     fn run(&self, thread: Thread) {
         let Some((x, y, index)) = self.frame.pixel(thread) else { return };
@@ -100,35 +99,34 @@ impl<S: Structure, C: Counter> Whitted<S, C> {
         let mut counter = C::default();
         let start = if C::COUNTS { arch::clock() } else { 0 };
         for sample in first..end {
+            counter.stage(Stage::Generation);
             let (dx, dy) = stratified(sample, count, key);
             let ray = self.frame.camera.ray(x as f32 + dx, y as f32 + dy);
+            counter.stage(Stage::Shading);
             let (radiance, any) = trace(&self.structure, &self.scene, &self.limits, &ray, &mut counter);
             pixel.radiance += radiance;
             pixel.hits += any as u32 as f32;
+            counter.stage(Stage::Shading);
         }
         // SAFETY: one thread a pixel.
         unsafe { self.film.set(index, pixel) };
         if C::COUNTS {
-            self.keep(index, counter.tests(), arch::clock().wrapping_sub(start));
+            self.keep(index, &counter, arch::clock().wrapping_sub(start));
         }
     }
 
     #[inline(always)]
-    fn keep(&self, index: u32, more: Tests, ticks: u32) {
+    fn keep(&self, index: u32, counter: &C, ticks: u32) {
         // SAFETY: one thread a pixel.
         if let Some(sum) = unsafe { self.ticks.get(index) } {
             // SAFETY: one thread a pixel.
             unsafe { self.ticks.set(index, sum.saturating_add(ticks)) };
         }
         // SAFETY: one thread a pixel.
-        let Some(sum) = (unsafe { self.tests.get(index) }) else { return };
-        let sum = Tests {
-            nodes: sum.nodes.saturating_add(more.nodes),
-            triangles: sum.triangles.saturating_add(more.triangles),
-            rays: sum.rays.saturating_add(more.rays),
-        };
-        // SAFETY: one thread a pixel.
-        unsafe { self.tests.set(index, sum) };
+        if let Some(record) = unsafe { self.counts.get(index) } {
+            // SAFETY: one thread a pixel.
+            unsafe { self.counts.set(index, counter.add_to(record, ticks)) };
+        }
     }
 }
 
@@ -358,12 +356,12 @@ impl Keep for Row {
 }
 
 // Derived copies would ask the same of the marker types.
-impl<S: Copy, C> Clone for Whitted<S, C> {
+impl<S: Copy, C: Kept> Clone for Whitted<S, C> {
     fn clone(&self) -> Self {
         *self
     }
 }
-impl<S: Copy, C> Copy for Whitted<S, C> {}
+impl<S: Copy, C: Kept> Copy for Whitted<S, C> {}
 
 /// Gives `$use` the list of every kernel with the name of its entry point. The PTX has these and no others.
 #[macro_export]
@@ -433,6 +431,35 @@ macro_rules! for_each_kernel {
             all_bvh8w: $crate::kernels::All<$crate::traverse::Bvh8w>,
             all_bvh8f: $crate::kernels::All<$crate::traverse::Bvh8f>,
             all_instanced: $crate::kernels::All<$crate::traverse::Instanced>,
+            whitted_brute_clocked: $crate::kernels::Whitted<$crate::traverse::Brute, $crate::traverse::Clocks>,
+            whitted_kd_clocked: $crate::kernels::Whitted<$crate::traverse::KdTree, $crate::traverse::Clocks>,
+            whitted_bvh2_clocked: $crate::kernels::Whitted<$crate::traverse::Bvh2, $crate::traverse::Clocks>,
+            whitted_staged: $crate::kernels::Whitted<$crate::traverse::Staged, $crate::traverse::Uncounted>,
+            whitted_staged_counted: $crate::kernels::Whitted<$crate::traverse::Staged, $crate::traverse::Tests>,
+            surfels_staged: $crate::kernels::Surfels<$crate::traverse::Staged>,
+            closest_staged: $crate::kernels::Closest<$crate::traverse::Staged>,
+            occluded_staged: $crate::kernels::Occluded<$crate::traverse::Staged>,
+            count_staged: $crate::kernels::Count<$crate::traverse::Staged>,
+            all_staged: $crate::kernels::All<$crate::traverse::Staged>,
+            closest_ifif: $crate::sharing::direct::Direct<$crate::sharing::form::IfIf, $crate::sharing::question::ClosestHit>,
+            closest_whilewhile: $crate::sharing::direct::Direct<$crate::sharing::form::WhileWhile, $crate::sharing::question::ClosestHit>,
+            closest_speculative: $crate::sharing::direct::Direct<$crate::sharing::form::Speculative, $crate::sharing::question::ClosestHit>,
+            closest_postponed: $crate::sharing::direct::Direct<$crate::sharing::form::Postponed, $crate::sharing::question::ClosestHit>,
+            closest_queued: $crate::sharing::queued::Queued<$crate::sharing::question::ClosestHit>,
+            closest_refill: $crate::sharing::refill::Refill<$crate::sharing::form::WhileWhile, $crate::sharing::question::ClosestHit>,
+            closest_refill_speculative: $crate::sharing::refill::Refill<$crate::sharing::form::Speculative, $crate::sharing::question::ClosestHit>,
+            occluded_ifif: $crate::sharing::direct::Direct<$crate::sharing::form::IfIf, $crate::sharing::question::AnyHit>,
+            occluded_whilewhile: $crate::sharing::direct::Direct<$crate::sharing::form::WhileWhile, $crate::sharing::question::AnyHit>,
+            occluded_speculative: $crate::sharing::direct::Direct<$crate::sharing::form::Speculative, $crate::sharing::question::AnyHit>,
+            occluded_postponed: $crate::sharing::direct::Direct<$crate::sharing::form::Postponed, $crate::sharing::question::AnyHit>,
+            occluded_queued: $crate::sharing::queued::Queued<$crate::sharing::question::AnyHit>,
+            occluded_refill: $crate::sharing::refill::Refill<$crate::sharing::form::WhileWhile, $crate::sharing::question::AnyHit>,
+            occluded_refill_speculative: $crate::sharing::refill::Refill<$crate::sharing::form::Speculative, $crate::sharing::question::AnyHit>,
+            paths: $crate::sharing::paths::Paths,
+            bounce: $crate::sharing::paths::Bounce,
+            sort_tell: $crate::sharing::sort::Tell,
+            sort_begin: $crate::sharing::sort::Begin,
+            sort_move: $crate::sharing::sort::Move,
             develop: $crate::screen::Develop,
             ranges: $crate::screen::Ranges,
             paint: $crate::screen::Paint,

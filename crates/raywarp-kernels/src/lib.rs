@@ -7,7 +7,9 @@
 //!
 //! The modules in the order in which a ray meets them: [`camera`] and [`sample`] make it, [`traverse`] finds the
 //! [`triangle`] it hits, [`surface`], [`material`] and [`texture`] say what is there, [`light`] and [`shade`] what it
-//! sends back, [`film`] keeps the sum, which [`display`] and [`screen`] show. [`refit`] moves triangles within a tree. [`kernels`] lists what can be launched.
+//! sends back, [`film`] keeps the sum, which [`display`] and [`screen`] show. [`refit`] moves triangles
+//! within a tree. [`sharing`] has other ways to share out rays among threads, for measuring. [`kernels`] lists what can be
+//! launched.
 #![cfg_attr(target_arch = "nvptx64", no_std)]
 #![cfg_attr(target_arch = "nvptx64", feature(stdarch_nvptx, core_intrinsics, core_float_math, asm_experimental_arch))]
 #![cfg_attr(target_arch = "nvptx64", allow(internal_features))]
@@ -28,6 +30,7 @@ pub mod refit;
 pub mod sample;
 pub mod screen;
 pub mod shade;
+pub mod sharing;
 mod stack;
 pub mod surface;
 pub mod texture;

@@ -1,5 +1,7 @@
 //! Random numbers by key: the same for a pixel and a sample on every machine, whoever computes them and when.
 
+use crate::math::{vec3, Vec3};
+
 /// A well-mixed 32-bit hash (the finaliser found by Wellons' hash prospector, bias 0.17).
 #[inline(always)]
 pub fn hash(mut x: u32) -> u32 {
@@ -65,6 +67,41 @@ pub fn stratified(index: u32, count: u32, key: u32) -> (f32, f32) {
         // Of the index itself: the last row of the grid may be short, and must not count as a whole one.
         (index as f32 + jitter_y) / count as f32,
     )
+}
+
+/// A number in [0, 1) by key and dimension.
+#[inline(always)]
+pub fn number(key: u32, dimension: u32) -> f32 {
+    unit(combine(key, dimension))
+}
+
+/// A unit vector, evenly over the sphere: a point of the unit disk, found by trying, lifted (Marsaglia 1972). That
+/// needs no sine, which machines round differently.
+#[inline(always)]
+pub fn sphere(key: u32) -> Vec3 {
+    let mut dimension = 3;
+    loop {
+        let (x, y) = (2.0 * number(key, dimension) - 1.0, 2.0 * number(key, dimension + 1) - 1.0);
+        let square = x * x + y * y;
+        if square < 1.0 {
+            let lift = 2.0 * crate::arch::sqrt(1.0 - square);
+            return vec3(x * lift, y * lift, 1.0 - 2.0 * square);
+        }
+        dimension += 2;
+    }
+}
+
+/// A unit vector over the hemisphere about a unit normal, as often as its cosine is large: the sphere that touches the
+/// surface from above, seen from the surface.
+#[inline(always)]
+pub fn cosine(normal: Vec3, key: u32) -> Vec3 {
+    let chord = normal + sphere(key);
+    // The point opposite the normal is where the sphere touches, and gives no direction.
+    if chord.length() > 1e-3 {
+        chord.normalize()
+    } else {
+        normal
+    }
 }
 
 #[cfg(test)]

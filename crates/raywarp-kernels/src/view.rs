@@ -133,6 +133,17 @@ impl<T: Copy> ViewMut<T> {
         (index < self.len).then(|| unsafe { *self.address.add(index as usize) })
     }
 
+    /// Where the item at `index` is, for what several threads touch at once; null beyond the end.
+    #[inline(always)]
+    pub(crate) fn shared(&self, index: u32) -> *mut T {
+        if index < self.len {
+            // SAFETY: in range.
+            unsafe { self.address.add(index as usize) }
+        } else {
+            core::ptr::null_mut()
+        }
+    }
+
     /// Writes the item at `index`; nothing beyond the end.
     ///
     /// # Safety
@@ -161,6 +172,7 @@ macro_rules! plain {
 
 plain!(
     u32,
+    [u32; 2],
     f32,
     [f32; 2],
     [f32; 4],
@@ -173,6 +185,9 @@ plain!(
     crate::ray::Ray,
     crate::surface::Primitive,
     crate::texture::Texture,
+    crate::sharing::paths::Trail,
+    crate::sharing::paths::Waiting,
+    crate::traverse::StageTimes,
     crate::traverse::Tests,
     crate::traverse::bvh2::Node,
     crate::traverse::compact::Node,

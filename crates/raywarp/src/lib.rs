@@ -24,6 +24,7 @@ pub mod image;
 pub mod query;
 pub mod render;
 pub mod scene;
+pub mod study;
 pub mod write;
 
 pub use raywarp_kernels::math::Vec3;

@@ -11,7 +11,10 @@ struct Bounds {
     registers: u32,
 }
 
-const DEFAULT: Bounds = Bounds { threads: 128, blocks: 0, registers: 0 };
+const DEFAULT: Bounds = Bounds { threads: 256, blocks: 0, registers: 0 };
+
+/// What traces through boxes, and nothing else: half of the threads of a multiprocessor fit.
+const TRACING: Bounds = Bounds { registers: 64, ..DEFAULT };
 
 /// The first row whose first column begins a kernel's name holds; [`DEFAULT`] where none does.
 /// Tune here, run `cargo xtask ptx`, and read the effect in `docs/kernels.md`.
@@ -19,8 +22,23 @@ const TABLE: &[(&str, Bounds)] = &[
     ("whitted_brute", Bounds { registers: 64, ..DEFAULT }),
     ("whitted_kd", Bounds { registers: 72, ..DEFAULT }),
     ("whitted_bvh2", Bounds { registers: 128, ..DEFAULT }),
-    ("closest_bvh", Bounds { registers: 64, ..DEFAULT }),
-    ("occluded_bvh", Bounds { registers: 64, ..DEFAULT }),
+    ("closest_bvh", TRACING),
+    ("occluded_bvh", TRACING),
+    ("whitted_staged", Bounds { registers: 64, ..DEFAULT }),
+    ("closest_ifif", TRACING),
+    ("closest_whilewhile", TRACING),
+    ("closest_speculative", TRACING),
+    ("closest_postponed", TRACING),
+    ("closest_queued", TRACING),
+    ("closest_refill", TRACING),
+    ("occluded_ifif", TRACING),
+    ("occluded_whilewhile", TRACING),
+    ("occluded_speculative", TRACING),
+    ("occluded_postponed", TRACING),
+    ("occluded_queued", TRACING),
+    ("occluded_refill", TRACING),
+    ("paths", TRACING),
+    ("bounce", TRACING),
 ];
 
 /// The directives to put between a kernel's parameters and its body, one a line.

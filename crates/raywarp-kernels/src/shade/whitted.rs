@@ -63,6 +63,7 @@ pub fn trace<S: Structure, C: Counter>(
     let mut room = Room::new();
     let mut waiting = Stack::new(&mut room);
     let mut branch = Branch { ray: *ray, weight: Vec3::ONE, depth: 0 };
+    tracer.counter.branch();
     let (mut radiance, mut previous, mut any) = (Vec3::ZERO, START, false);
     loop {
         let hit = tracer.visible(&branch.ray, &previous);
@@ -88,6 +89,7 @@ pub fn trace<S: Structure, C: Counter>(
             Some(next) => (branch, previous) = (next, START),
             None => return (radiance, any),
         }
+        tracer.counter.branch();
     }
 }
 

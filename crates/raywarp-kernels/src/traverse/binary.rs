@@ -83,6 +83,7 @@ pub fn walk(
         if next == Links::<{ MAX_DEPTH + 1 }>::END {
             return;
         }
+        counter.leaf();
         let leaf = Child::of_bits(next);
         let mut index = leaf.index();
         let end = index + leaf.count();

@@ -12,12 +12,14 @@ pub mod bvh4;
 pub mod bvh8;
 pub mod bvh8f;
 pub mod bvh8w;
+mod clocks;
 pub mod compact;
 mod grid;
 pub mod instanced;
 pub mod kdtree;
 pub mod octants;
 mod slabs;
+pub mod staged;
 
 use crate::ray::{Hit, Ray, MISS};
 use crate::triangle::{flags, Across, Triangle};
@@ -29,10 +31,12 @@ pub use bvh4::Bvh4;
 pub use bvh8::Bvh8;
 pub use bvh8f::Bvh8f;
 pub use bvh8w::Bvh8w;
+pub use clocks::{Clocks, StageTimes};
 pub use compact::Compact;
 pub use instanced::Instanced;
 pub use kdtree::KdTree;
 pub use octants::Octants;
+pub use staged::Staged;
 
 /// Answer of a visitor that has seen enough: no distance is left.
 pub const ENOUGH: f32 = f32::NEG_INFINITY;
@@ -53,34 +57,60 @@ pub trait Visitor {
 }
 
 /// What traversal did, if anyone wants to know: [`Uncounted`] costs nothing.
-pub trait Counter: Copy + Default {
+pub trait Counter: Default {
+    /// A node was visited.
+    #[inline(always)]
+    fn node(&mut self) {}
+    /// The triangles of a leaf come next; binary trees of boxes alone say so.
+    #[inline(always)]
+    fn leaf(&mut self) {}
+    /// A triangle was tested.
+    #[inline(always)]
+    fn triangle(&mut self) {}
+    /// A ray begins.
+    #[inline(always)]
+    fn ray(&mut self) {}
+    /// Shading takes up the next of the rays that wait: a camera ray, or one that a surface sends on.
+    #[inline(always)]
+    fn branch(&mut self) {}
+    /// What follows, until the next call, belongs to a stage.
+    #[inline(always)]
+    fn stage(&mut self, _: Stage) {}
+}
+
+/// What a pixel's thread does in turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Makes a camera ray.
+    Generation,
+    /// Looks for hits.
+    Intersection,
+    /// Everything else.
+    Shading,
+}
+
+/// A counter whose counts a kernel keeps, pixel by pixel.
+pub trait Kept: Counter {
     /// Whether anything is kept.
     const COUNTS: bool;
-    /// A node was visited.
-    fn node(&mut self);
-    /// A triangle was tested.
-    fn triangle(&mut self);
-    /// A ray was traced.
-    fn ray(&mut self);
-    /// The counts so far; zero where none are kept.
-    fn tests(&self) -> Tests;
+    /// What is kept of a pixel.
+    type Record: Copy;
+    /// What there was of the pixel, and this; `ticks` is the time that the thread took, see [`arch::clock`].
+    fn add_to(&self, record: Self::Record, ticks: u32) -> Self::Record;
 }
 
 /// Nobody wants to know.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Uncounted;
 
-impl Counter for Uncounted {
+impl Counter for Uncounted {}
+
+impl Kept for Uncounted {
     const COUNTS: bool = false;
+    type Record = Tests;
     #[inline(always)]
-    fn node(&mut self) {}
-    #[inline(always)]
-    fn triangle(&mut self) {}
-    #[inline(always)]
-    fn ray(&mut self) {}
-    #[inline(always)]
-    fn tests(&self) -> Tests {
-        Tests::default()
+    fn add_to(&self, record: Tests, _: u32) -> Tests {
+        record
     }
 }
 
@@ -97,7 +127,6 @@ pub struct Tests {
 }
 
 impl Counter for Tests {
-    const COUNTS: bool = true;
     #[inline(always)]
     fn node(&mut self) {
         self.nodes += 1;
@@ -110,9 +139,18 @@ impl Counter for Tests {
     fn ray(&mut self) {
         self.rays += 1;
     }
+}
+
+impl Kept for Tests {
+    const COUNTS: bool = true;
+    type Record = Tests;
     #[inline(always)]
-    fn tests(&self) -> Tests {
-        *self
+    fn add_to(&self, record: Tests, _: u32) -> Tests {
+        Tests {
+            nodes: record.nodes.saturating_add(self.nodes),
+            triangles: record.triangles.saturating_add(self.triangles),
+            rays: record.rays.saturating_add(self.rays),
+        }
     }
 }
 
@@ -125,7 +163,9 @@ pub fn closest(structure: &impl Structure, ray: &Ray, previous: &Hit, counter: &
     counter.ray();
     let ray = ray.after(previous);
     let mut nearest = Nearest { previous, best: Hit { t: ray.t_max, ..Hit::NONE } };
+    counter.stage(Stage::Intersection);
     structure.traverse(&ray, counter, &mut nearest);
+    counter.stage(Stage::Shading);
     if nearest.best.is_miss() {
         Hit::NONE
     } else {
@@ -134,9 +174,9 @@ pub fn closest(structure: &impl Structure, ray: &Ray, previous: &Hit, counter: &
 }
 
 /// Keeps the first hit after another.
-struct Nearest<'a> {
-    previous: &'a Hit,
-    best: Hit,
+pub(crate) struct Nearest<'a> {
+    pub previous: &'a Hit,
+    pub best: Hit,
 }
 
 impl Visitor for Nearest<'_> {
@@ -170,13 +210,15 @@ pub enum Occlusion {
 pub fn occlusion(structure: &impl Structure, ray: &Ray, counter: &mut impl Counter) -> Occlusion {
     counter.ray();
     let mut obstacle = Obstacle { found: Occlusion::Clear };
+    counter.stage(Stage::Intersection);
     structure.traverse(ray, counter, &mut obstacle);
+    counter.stage(Stage::Shading);
     obstacle.found
 }
 
 /// Stops at the first opaque hit.
-struct Obstacle {
-    found: Occlusion,
+pub(crate) struct Obstacle {
+    pub found: Occlusion,
 }
 
 impl Visitor for Obstacle {

@@ -8,6 +8,9 @@ use raywarp_kernels::kernels::{Kernel, Thread};
 /// Columns and rows that one task computes: neighbours meet the same nodes.
 const TILE: [u32; 2] = [16, 8];
 
+/// Items of a batch that one task computes.
+pub(super) const BATCH: u32 = TILE[0] * TILE[1];
+
 pub(super) fn description() -> String {
     match rayon::current_num_threads() {
         1 => "CPU, 1 thread".to_owned(),
@@ -23,14 +26,19 @@ pub(super) fn available_memory() -> Option<u64> {
     Some(kibibytes * 1024)
 }
 
+/// Threads of a batch of which each thread of the CPU has one task.
+pub(super) fn resident_threads() -> u32 {
+    rayon::current_num_threads() as u32 * BATCH
+}
+
 /// Runs every thread of the launch; returns the seconds it took.
 ///
 /// # Safety
 /// As for [`Device::launch`](super::Device::launch).
-pub(super) unsafe fn launch<K: Kernel>(kernel: &K, extent: [u32; 2]) -> f64 {
+pub(super) unsafe fn launch<K: Kernel>(kernel: &K, extent: [u32; 2], block: Option<[u32; 2]>) -> f64 {
     let start = Instant::now();
     // One row means a batch of items, cut into runs.
-    let tile = if extent[1] == 1 { [TILE[0] * TILE[1], 1] } else { TILE };
+    let tile = block.unwrap_or(if extent[1] == 1 { [BATCH, 1] } else { TILE });
     let columns = extent[0].div_ceil(tile[0]) as u64;
     let tiles = columns * extent[1].div_ceil(tile[1]) as u64;
     let run = runner::<K>();

@@ -4,6 +4,15 @@
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 pub enum DeviceError {
+    /// A shape that no kernel is compiled for.
+    #[error("blocks of {}x{} threads cannot be launched; give 1 to {most} threads, on a GPU a multiple of 32", block[0], block[1])]
+    Block {
+        /// Columns and rows.
+        block: [u32; 2],
+        /// Most threads.
+        most: u32,
+    },
+
     /// No `libcuda` on this machine.
     #[error(
         "there is no CUDA driver on this machine (libcuda was not found); install NVIDIA's driver, in a container run \

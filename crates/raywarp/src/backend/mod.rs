@@ -27,12 +27,17 @@ pub(crate) use stream::Launch;
 pub use stream::Stream;
 pub use survey::{survey, DeviceInfo, DriverInfo, PtxInfo, Survey};
 
+/// Most threads of a block: what the kernels are compiled for.
+pub const MAX_BLOCK: u32 = 256;
+
 /// A machine that runs kernels. Cloning gives another handle to the same one.
 #[derive(Clone, Debug)]
 pub struct Device {
     machine: Machine,
     /// Why this is not a GPU although one was welcome.
     fallback: Option<String>,
+    /// Columns and rows of a block, where they are not to be the usual ones.
+    block: Option<[u32; 2]>,
 }
 
 #[derive(Clone, Debug)]
@@ -49,12 +54,46 @@ impl Device {
     /// [`DeviceError`] where a CUDA device was asked for by name and cannot be used. There is no silent way down.
     pub fn open(choice: DeviceChoice) -> Result<Self, DeviceError> {
         match choice {
-            DeviceChoice::Cpu => Ok(Self { machine: Machine::Cpu, fallback: None }),
-            DeviceChoice::Cuda(index) => Ok(Self { machine: Machine::Cuda(cuda::Cuda::open(index)?), fallback: None }),
+            DeviceChoice::Cpu => Ok(Self { machine: Machine::Cpu, fallback: None, block: None }),
+            DeviceChoice::Cuda(index) => {
+                Ok(Self { machine: Machine::Cuda(cuda::Cuda::open(index)?), fallback: None, block: None })
+            }
             DeviceChoice::Auto => Ok(match cuda::Cuda::open_any() {
-                Ok(gpu) => Self { machine: Machine::Cuda(gpu), fallback: None },
-                Err(error) => Self { machine: Machine::Cpu, fallback: Some(error.to_string()) },
+                Ok(gpu) => Self { machine: Machine::Cuda(gpu), fallback: None, block: None },
+                Err(error) => Self { machine: Machine::Cpu, fallback: Some(error.to_string()), block: None },
             }),
+        }
+    }
+
+    /// The same device, whose kernels are launched in blocks of so many columns and rows; on the CPU, in tiles.
+    ///
+    /// # Errors
+    /// [`DeviceError::Block`] for none or more than [`MAX_BLOCK`] threads, or on CUDA for rows that do not fill warps.
+    pub fn with_block(&self, block: [u32; 2]) -> Result<Self, DeviceError> {
+        let threads = u64::from(block[0]) * u64::from(block[1]);
+        if threads == 0 || threads > u64::from(MAX_BLOCK) || (self.is_cuda() && threads % 32 != 0) {
+            return Err(DeviceError::Block { block, most: MAX_BLOCK });
+        }
+        Ok(Self { block: Some(block), ..self.clone() })
+    }
+
+    /// How many threads of a kernel can be on the device at once: as many as threads that take work from queues need to
+    /// be. On the CPU, enough to keep every thread busy.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the driver cannot load the kernel or does not answer.
+    pub fn resident_threads<K: Kernel>(&self) -> Result<u32, DeviceError> {
+        match &self.machine {
+            Machine::Cpu => Ok(cpu::resident_threads()),
+            Machine::Cuda(gpu) => gpu.resident_threads::<K>(self.block),
+        }
+    }
+
+    /// Threads of a warp, and of a block of a single row.
+    pub(crate) fn warp_and_block(&self) -> (u32, u32) {
+        match &self.machine {
+            Machine::Cpu => (1, cpu::BATCH),
+            Machine::Cuda(_) => (32, self.block.map_or(cuda::BLOCK_ROW, |block| block[0] * block[1])),
         }
     }
 
@@ -159,7 +198,7 @@ impl Device {
     pub fn kernel_info<K: Kernel>(&self, _kernel: &K, extent: [u32; 2]) -> Result<Option<KernelInfo>, DeviceError> {
         match &self.machine {
             Machine::Cpu => Ok(None),
-            Machine::Cuda(gpu) => gpu.kernel_info::<K>(extent).map(Some),
+            Machine::Cuda(gpu) => gpu.kernel_info::<K>(extent, self.block).map(Some),
         }
     }
 
@@ -186,9 +225,9 @@ impl Device {
     pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<f64, DeviceError> {
         match &self.machine {
             // SAFETY: the caller's promise.
-            Machine::Cpu => Ok(unsafe { cpu::launch(kernel, extent) }),
+            Machine::Cpu => Ok(unsafe { cpu::launch(kernel, extent, self.block) }),
             // SAFETY: the caller's promise.
-            Machine::Cuda(gpu) => unsafe { gpu.launch(kernel, extent) },
+            Machine::Cuda(gpu) => unsafe { gpu.launch(kernel, extent, self.block) },
         }
     }
 
@@ -210,11 +249,11 @@ impl Device {
         match &self.machine {
             Machine::Cpu => {
                 // SAFETY: the caller's promise.
-                let seconds = (0..warmup + repeats).map(|_| unsafe { cpu::launch(kernel, extent) });
+                let seconds = (0..warmup + repeats).map(|_| unsafe { cpu::launch(kernel, extent, self.block) });
                 Ok(seconds.skip(warmup as usize).collect())
             }
             // SAFETY: the caller's promise.
-            Machine::Cuda(gpu) => unsafe { gpu.time(kernel, extent, warmup, repeats) },
+            Machine::Cuda(gpu) => unsafe { gpu.time(kernel, extent, self.block, [warmup, repeats]) },
         }
     }
 }

@@ -52,7 +52,7 @@ impl Stream {
     pub(crate) unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<Launch, DeviceError> {
         Ok(match &self.queue {
             // SAFETY: the caller's promise.
-            Queue::Cpu => Launch::done(unsafe { cpu::launch(kernel, extent) }),
+            Queue::Cpu => Launch::done(unsafe { cpu::launch(kernel, extent, None) }),
             // SAFETY: the caller's promise.
             Queue::Cuda(stream) => Launch(State::Running(unsafe { stream.launch(kernel, extent) }?)),
         })

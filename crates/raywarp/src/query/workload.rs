@@ -5,7 +5,7 @@
 //! nothing calls the platform's mathematics.
 
 use raywarp_kernels::camera::{self as kernel, pixel_centre};
-use raywarp_kernels::sample::{combine, unit};
+use raywarp_kernels::sample::{combine, cosine, number, sphere};
 
 use super::RayKind;
 use crate::accel::sift;
@@ -186,38 +186,6 @@ fn normal(triangle: &Triangle) -> Option<Vec3> {
 fn towards(origin: Vec3, point: Vec3) -> Ray {
     let way = point - origin;
     Ray { t_max: way.length(), ..Ray::new(origin, way.normalize()) }
-}
-
-/// A number in [0, 1) by key and dimension.
-fn number(key: u32, dimension: u32) -> f32 {
-    unit(combine(key, dimension))
-}
-
-/// A unit vector, evenly over the sphere: a point of the unit disk, found by trying, lifted (Marsaglia 1972). That
-/// needs no sine, which machines round differently.
-fn sphere(key: u32) -> Vec3 {
-    let mut dimension = 3;
-    loop {
-        let (x, y) = (2.0 * number(key, dimension) - 1.0, 2.0 * number(key, dimension + 1) - 1.0);
-        let square = x * x + y * y;
-        if square < 1.0 {
-            let lift = 2.0 * (1.0 - square).sqrt();
-            return Vec3::new(x * lift, y * lift, 1.0 - 2.0 * square);
-        }
-        dimension += 2;
-    }
-}
-
-/// A unit vector over the hemisphere about a unit normal, as often as its cosine is large: the sphere that touches the
-/// surface from above, seen from the surface.
-fn cosine(normal: Vec3, key: u32) -> Vec3 {
-    let chord = normal + sphere(key);
-    // The point opposite the normal is where the sphere touches, and gives no direction.
-    if chord.length() > 1e-3 {
-        chord.normalize()
-    } else {
-        normal
-    }
 }
 
 #[cfg(test)]

@@ -246,19 +246,10 @@ impl Tracer {
         let mut unseen = self.device.zeroed::<Pixel>(counted)?;
         let lights = self.lighting.upload(&self.device, camera)?;
         let pass = passes::Pass {
-            scene: self.scene.view(&lights, &self.lighting),
-            frame: Frame {
-                camera: camera::kernel_camera(camera, film.size)?,
-                origin: [0, 0],
-                extent: film.size,
-                film: [0, 0, film.size[0]],
-                samples: [0, 1, 1],
-                seed: options.seed,
-            },
-            limits: Limits { depth: options.max_depth, shadows: options.shadows as u32 },
             film: unseen.view_mut(),
             tests: tests.view_mut(),
             ticks: ticks.view_mut(),
+            ..self.whole(camera, &options, window, &lights)?
         };
         let mut seconds = if costs {
             passes::shade(&self.device, &self.structure.resident, &pass)?

@@ -3,6 +3,7 @@
 mod bands;
 pub(crate) mod camera;
 mod changes;
+mod costs;
 mod error;
 mod film;
 pub(crate) mod flatten;
@@ -36,6 +37,7 @@ use resident::ResidentScene;
 
 pub use camera::{axes, framing, ray};
 pub use changes::world_triangles;
+pub use costs::PixelCosts;
 pub use error::RenderError;
 pub use film::{Exposure, Film, Painted, Quantity};
 pub(crate) use flatten::{check_instance, check_mesh, flags_of};
@@ -251,21 +253,7 @@ impl Tracer {
         self.device.reserve((window.pixels() * std::mem::size_of::<Surfel>()) as u64, "the layers of the picture")?;
         let mut surfels = self.device.zeroed::<Surfel>(window.pixels())?;
         let lights = self.lighting.upload(&self.device, camera)?;
-        let pass = passes::Pass {
-            scene: self.scene.view(&lights, &self.lighting),
-            frame: Frame {
-                camera: camera::kernel_camera(camera, options.size)?,
-                origin: window.origin,
-                extent: window.extent,
-                film: [window.origin[0], window.origin[1], window.extent[0]],
-                samples: [0, 1, 1],
-                seed: options.seed,
-            },
-            limits: Limits { depth: 0, shadows: 0 },
-            film: ViewMut::EMPTY,
-            tests: ViewMut::EMPTY,
-            ticks: ViewMut::EMPTY,
-        };
+        let pass = self.whole(camera, options, window, &lights)?;
         passes::surfels(&self.device, &self.structure.resident, &pass, surfels.view_mut())?;
         Ok(surfels.download()?)
     }

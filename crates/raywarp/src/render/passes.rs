@@ -2,11 +2,12 @@
 
 use std::marker::PhantomData;
 
+use raywarp_kernels::camera::pixel_centre;
 use raywarp_kernels::film::Pixel;
 use raywarp_kernels::kernels::{Frame, Kernel, Surfel, Surfels, Whitted};
-use raywarp_kernels::shade::whitted::Limits;
+use raywarp_kernels::shade::whitted::{trace, Limits};
 use raywarp_kernels::surface;
-use raywarp_kernels::traverse::{Structure, Tests, Uncounted};
+use raywarp_kernels::traverse::{Brute, Bvh2, Clocks, Counter, KdTree, Kept, StageTimes, Structure, Tests, Uncounted};
 use raywarp_kernels::view::ViewMut;
 
 use crate::accel::{with_structure, Resident};
@@ -28,9 +29,35 @@ pub(super) struct Pass {
 /// Adds the samples of a pass to the film; returns the seconds on the device.
 pub(super) fn shade(device: &Device, structure: &Resident, pass: &Pass) -> Result<f64, DeviceError> {
     with_structure!(structure, structure, both => both.compact, match pass.tests.is_empty() {
-            true => run(device, pass, &whitted::<_, Uncounted>(structure, pass)),
-            false => run(device, pass, &whitted::<_, Tests>(structure, pass)),
+            true => run(device, pass, &whitted::<_, Uncounted>(structure, pass, ViewMut::EMPTY)),
+            false => run(device, pass, &whitted::<_, Tests>(structure, pass, pass.tests)),
     })
+}
+
+/// As [`shade`], and says how long each pixel's thread was in each stage. Nothing where the structure has no such kernel.
+pub(super) fn clock(
+    device: &Device,
+    structure: &Resident,
+    pass: &Pass,
+    times: ViewMut<StageTimes>,
+) -> Result<Option<f64>, DeviceError> {
+    let seconds = match structure {
+        Resident::Brute { triangles } => {
+            let structure = Brute { triangles: triangles.view() };
+            run(device, pass, &whitted::<_, Clocks>(structure, pass, times))
+        }
+        Resident::Kd { nodes, references, triangles, low, high } => {
+            let (nodes, references, triangles) = (nodes.view(), references.view(), triangles.view());
+            let structure = KdTree { nodes, references, triangles, low: *low, high: *high };
+            run(device, pass, &whitted::<_, Clocks>(structure, pass, times))
+        }
+        Resident::Bvh2 { nodes, triangles, reach } => {
+            let structure = Bvh2 { nodes: nodes.view(), triangles: triangles.view(), reach: *reach };
+            run(device, pass, &whitted::<_, Clocks>(structure, pass, times))
+        }
+        _ => return Ok(None),
+    };
+    seconds.map(Some)
 }
 
 /// Fills a surfel for each pixel of a pass.
@@ -60,9 +87,30 @@ where
     device.load::<Surfels<S>>()
 }
 
-fn whitted<S: Structure, C>(structure: S, pass: &Pass) -> Whitted<S, C> {
-    let Pass { scene, frame, limits, film, tests, ticks } = *pass;
-    Whitted { structure, scene, frame, limits, film, tests, ticks, counter: PhantomData }
+fn whitted<S: Structure, C: Kept>(structure: S, pass: &Pass, counts: ViewMut<C::Record>) -> Whitted<S, C> {
+    let Pass { scene, frame, limits, film, ticks, .. } = *pass;
+    Whitted { structure, scene, frame, limits, film, counts, ticks, counter: PhantomData }
+}
+
+/// Traces the rays through the centres of pixels, here and now; nothing but for a `bvh2` in the memory of this machine.
+pub(super) fn follow<C: Counter>(
+    device: &Device,
+    structure: &Resident,
+    pass: &Pass,
+    pixels: &[[u32; 2]],
+) -> Option<Vec<C>> {
+    let Resident::Bvh2 { nodes, triangles, reach } = structure else { return None };
+    if device.is_cuda() {
+        return None;
+    }
+    let structure = Bvh2 { nodes: nodes.view(), triangles: triangles.view(), reach: *reach };
+    let follow = |&[x, y]: &[u32; 2]| {
+        let (centre, mut counter) = (pixel_centre(x, y), C::default());
+        let ray = pass.frame.camera.ray(centre.x, centre.y);
+        trace(&structure, &pass.scene, &pass.limits, &ray, &mut counter);
+        counter
+    };
+    Some(pixels.iter().map(follow).collect())
 }
 
 fn run(device: &Device, pass: &Pass, kernel: &impl Kernel) -> Result<f64, DeviceError> {

@@ -17,7 +17,7 @@ use super::{DeviceError, DeviceInfo, KernelInfo};
 pub(super) use buffer::CudaBuffer;
 pub(super) use pinned::Pinned;
 pub(super) use ptx::info as ptx_info;
-pub(super) use stream::{CudaLaunch, Stream};
+pub(super) use stream::{CudaLaunch, Stream, BLOCK_ROW};
 
 /// A CUDA device with the kernels that were needed so far.
 #[derive(Clone)]
@@ -111,9 +111,14 @@ impl Cuda {
 
     /// # Safety
     /// As for [`Device::launch`](super::Device::launch).
-    pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<f64, DeviceError> {
+    pub unsafe fn launch<K: Kernel>(
+        &self,
+        kernel: &K,
+        extent: [u32; 2],
+        block: Option<[u32; 2]>,
+    ) -> Result<f64, DeviceError> {
         // SAFETY: the caller's promise, as the launch is waited for.
-        unsafe { stream::launch(self, self.stream(), kernel, extent) }?.wait()
+        unsafe { stream::launch(self, self.stream(), kernel, stream::configuration(extent, block)) }?.wait()
     }
 
     /// See [`stream::time`].
@@ -124,18 +129,18 @@ impl Cuda {
         &self,
         kernel: &K,
         extent: [u32; 2],
-        warmup: u32,
-        repeats: u32,
+        block: Option<[u32; 2]>,
+        times: [u32; 2],
     ) -> Result<Vec<f64>, DeviceError> {
         // SAFETY: the caller's promise.
-        unsafe { stream::time(self, kernel, extent, warmup, repeats) }
+        unsafe { stream::time(self, kernel, stream::configuration(extent, block), times) }
     }
 
     /// What a kernel takes when it is launched over `extent`.
-    pub fn kernel_info<K: Kernel>(&self, extent: [u32; 2]) -> Result<KernelInfo, DeviceError> {
+    pub fn kernel_info<K: Kernel>(&self, extent: [u32; 2], block: Option<[u32; 2]>) -> Result<KernelInfo, DeviceError> {
         use sys::CUdevice_attribute::CU_DEVICE_ATTRIBUTE_MAX_THREADS_PER_MULTIPROCESSOR;
         let function = self.function(K::NAME)?;
-        let (columns, rows, _) = stream::configuration(extent).block_dim;
+        let (columns, rows, _) = stream::configuration(extent, block).block_dim;
         let block_threads = columns * rows;
         let ask = || -> Result<KernelInfo, DriverError> {
             let registers = function.num_regs()? as u32;
@@ -149,6 +154,19 @@ impl Cuda {
                 block_threads,
                 occupancy: f64::from(blocks * block_threads) / f64::from(most.max(1)),
             })
+        };
+        ask().map_err(|error| self.failed(&format!("described the kernel {}", K::NAME), error))
+    }
+
+    /// Threads of a kernel that are on the device at once, launched in a single row.
+    pub fn resident_threads<K: Kernel>(&self, block: Option<[u32; 2]>) -> Result<u32, DeviceError> {
+        use sys::CUdevice_attribute::CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT;
+        let function = self.function(K::NAME)?;
+        let (columns, rows, _) = stream::configuration([1, 1], block).block_dim;
+        let ask = || -> Result<u32, DriverError> {
+            let blocks = function.occupancy_max_active_blocks_per_multiprocessor(columns * rows, 0, None)?;
+            let multiprocessors = self.context().attribute(CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT)?;
+            Ok(blocks * columns * rows * multiprocessors.max(1) as u32)
         };
         ask().map_err(|error| self.failed(&format!("described the kernel {}", K::NAME), error))
     }

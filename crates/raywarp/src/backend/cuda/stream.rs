@@ -11,7 +11,7 @@ use super::{driver_error, Cuda, DeviceError};
 const BLOCK: [u32; 2] = [8, 16];
 
 /// Threads of a block of a launch with a single row.
-const BLOCK_ROW: [u32; 2] = [64, 1];
+pub(in crate::backend) const BLOCK_ROW: u32 = 64;
 
 /// A kernel's parameter block, passed by value.
 #[repr(transparent)]
@@ -44,7 +44,7 @@ impl Stream {
         let after = self.stream.join(self.gpu.stream());
         after.map_err(|error| self.gpu.failed("put its streams in order", error))?;
         // SAFETY: the caller's promise.
-        unsafe { launch(&self.gpu, &self.stream, kernel, extent) }
+        unsafe { launch(&self.gpu, &self.stream, kernel, configuration(extent, None)) }
     }
 }
 
@@ -56,10 +56,10 @@ pub(super) unsafe fn launch<K: Kernel>(
     gpu: &Cuda,
     stream: &CudaStream,
     kernel: &K,
-    extent: [u32; 2],
+    configuration: LaunchConfig,
 ) -> Result<CudaLaunch, DeviceError> {
     let mut started = CudaLaunch { gpu: gpu.clone(), name: K::NAME, events: None };
-    if extent.contains(&0) {
+    if is_empty(&configuration) {
         return Ok(started);
     }
     let function = gpu.function(K::NAME)?;
@@ -71,7 +71,7 @@ pub(super) unsafe fn launch<K: Kernel>(
         let mut launch = stream.launch_builder(&function);
         launch.arg(&parameters);
         // SAFETY: the entry point takes exactly this parameter block; its views are the caller's promise.
-        unsafe { launch.launch(configuration(extent)) }?;
+        unsafe { launch.launch(configuration) }?;
         // A kernel that nobody can wait for must not outlive this call.
         end.record(stream).or_else(|error| stream.synchronize().and(Err(error)))?;
         Ok([start, end])
@@ -80,7 +80,7 @@ pub(super) unsafe fn launch<K: Kernel>(
     Ok(started)
 }
 
-/// Queues all launches at once, with an event after each that is timed: what the host does between them is then no part
+/// Queues all launches at once, the warm-up first, with an event after each that is timed: what the host does between them is then no part
 /// of the time. Returns the seconds of each of the `repeats`.
 ///
 /// # Safety
@@ -88,11 +88,10 @@ pub(super) unsafe fn launch<K: Kernel>(
 pub(super) unsafe fn time<K: Kernel>(
     gpu: &Cuda,
     kernel: &K,
-    extent: [u32; 2],
-    warmup: u32,
-    repeats: u32,
+    configuration: LaunchConfig,
+    [warmup, repeats]: [u32; 2],
 ) -> Result<Vec<f64>, DeviceError> {
-    if extent.contains(&0) {
+    if is_empty(&configuration) {
         return Ok(vec![0.0; repeats as usize]);
     }
     let function = gpu.function(K::NAME)?;
@@ -101,7 +100,7 @@ pub(super) unsafe fn time<K: Kernel>(
         let mut launch = gpu.stream().launch_builder(&function);
         launch.arg(&parameters);
         // SAFETY: the entry point takes exactly this parameter block; its views are the caller's promise.
-        unsafe { launch.launch(configuration(extent)) }.map(drop)
+        unsafe { launch.launch(configuration) }.map(drop)
     };
     let run = || -> Result<Vec<f64>, DriverError> {
         let timing = Some(sys::CUevent_flags::CU_EVENT_DEFAULT);
@@ -120,8 +119,13 @@ pub(super) unsafe fn time<K: Kernel>(
     run().map_err(|error| gpu.failed(&format!("ran the kernel {}", K::NAME), error))
 }
 
-pub(super) fn configuration(extent: [u32; 2]) -> LaunchConfig {
-    let block = if extent[1] == 1 { BLOCK_ROW } else { BLOCK };
+fn is_empty(configuration: &LaunchConfig) -> bool {
+    configuration.grid_dim.0 == 0 || configuration.grid_dim.1 == 0
+}
+
+/// Enough blocks for `extent`, of the usual shape if none is given.
+pub(super) fn configuration(extent: [u32; 2], block: Option<[u32; 2]>) -> LaunchConfig {
+    let block = block.unwrap_or(if extent[1] == 1 { [BLOCK_ROW, 1] } else { BLOCK });
     LaunchConfig {
         grid_dim: (extent[0].div_ceil(block[0]), extent[1].div_ceil(block[1]), 1),
         block_dim: (block[0], block[1], 1),
