@@ -15,6 +15,7 @@ pub mod bvh8w;
 pub mod compact;
 mod grid;
 pub mod instanced;
+pub mod kdtrail;
 pub mod kdtree;
 pub mod octants;
 mod slabs;
@@ -31,6 +32,7 @@ pub use bvh8f::Bvh8f;
 pub use bvh8w::Bvh8w;
 pub use compact::Compact;
 pub use instanced::Instanced;
+pub use kdtrail::KdTrail;
 pub use kdtree::KdTree;
 pub use octants::Octants;
 
