@@ -46,8 +46,8 @@ pub struct BenchOptions {
     /// Kinds of rays, with commas: primary, shadow, ao (ambient occlusion), diffuse, random; none: all
     #[arg(long, value_name = "LIST", value_delimiter = ',', help_heading = "What to measure")]
     pub rays: Vec<RayKind>,
-    /// Structures, with commas: brute, kd, bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w, bvh8f; none: the fastest on the device,
-    /// with --frames brute, kd and that (brute takes hours on a CPU), with --live the viewer's own
+    /// Structures, with commas: brute, kd, kdsah, kdtrail, bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w, bvh8f; none: the fastest on
+    /// the device, with --frames brute, kd and that (brute takes hours on a CPU), with --live the viewer's own
     #[arg(long, visible_alias = "accel", value_name = "LIST", value_delimiter = ',')]
     #[arg(help_heading = "What to measure")]
     pub layout: Vec<AccelKind>,

@@ -58,12 +58,12 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
 /// Every structure with every quality that it has.
 fn builds(options: &BenchOptions, device: &Device) -> Vec<Build> {
     let layouts = if options.layout.is_empty() { &[AccelKind::fastest_on(device)] } else { &options.layout[..] };
-    let qualities = |kind: &AccelKind| match kind {
-        AccelKind::Brute | AccelKind::Kd => vec![Quality::default()],
-        _ => options.tree.clone(),
+    let qualities = |kind: AccelKind| match kind.is_hierarchy() {
+        true => options.tree.clone(),
+        false => vec![Quality::default()],
     };
     let builds =
-        |&kind: &AccelKind| qualities(&kind).into_iter().map(move |quality| Build { kind, quality, cached: false });
+        |&kind: &AccelKind| qualities(kind).into_iter().map(move |quality| Build { kind, quality, cached: false });
     layouts.iter().flat_map(builds).collect()
 }
 

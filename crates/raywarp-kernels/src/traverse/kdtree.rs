@@ -76,8 +76,9 @@ impl Node {
 
 /// The tree. Node 0 is the root; there always is one.
 ///
-/// A triangle is in every leaf whose cell its bounds touch, where the bounds leave a margin as in
-/// [`bvh2::Node`](super::bvh2::Node).
+/// A triangle is in every leaf to whose cell any of its points comes closer, on each axis, than the margin that
+/// [`Triangle::bounds`] leave: where a ray may be found to hit it. That holds if it is in every leaf whose cell its bounds
+/// touch, but it need not be where only its bounds are.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct KdTree {
@@ -93,12 +94,12 @@ pub struct KdTree {
     pub high: Vec3,
 }
 
-/// A cell put aside: its node and the piece of the ray inside it.
+/// A cell that a ray goes through: its node and the piece of the ray inside it.
 #[derive(Clone, Copy)]
-struct Cell {
-    node: u32,
-    first: f32,
-    last: f32,
+pub(super) struct Cell {
+    pub node: u32,
+    pub first: f32,
+    pub last: f32,
 }
 
 /// Distances to planes are right to two roundings: intervals of neighbouring cells overlap by a few.
@@ -110,8 +111,38 @@ fn earlier(t: f32) -> f32 {
 }
 
 #[inline(always)]
-fn later(t: f32) -> f32 {
+pub(super) fn later(t: f32) -> f32 {
     arch::fma(t.abs(), SLACK, t)
+}
+
+/// Where a ray goes from the cell of an inner node.
+pub(super) enum Way {
+    /// To one child.
+    One(Cell),
+    /// To the nearer child, then to the other.
+    Both(Cell, Cell),
+}
+
+impl Cell {
+    /// From here to the children of `node`. It depends on the cell alone, not on what was found in others.
+    #[inline(always)]
+    pub fn way(self, node: Node, ray: &Ray, inverse: Vec3) -> Way {
+        let axis = node.axis();
+        let (origin, slope) = (ray.origin[axis], inverse[axis]);
+        let t = (node.plane() - origin) * slope;
+        let below_is_near = slope > 0.0;
+        let near = node.below() + !below_is_near as u32;
+        let far = node.below() + below_is_near as u32;
+        if earlier(t) > self.last {
+            Way::One(Self { node: near, ..self })
+        } else if later(t) < self.first {
+            Way::One(Self { node: far, ..self })
+        } else {
+            let near = Self { node: near, first: self.first, last: arch::min(self.last, later(t)) };
+            let far = Self { node: far, first: arch::max(self.first, earlier(t)), last: self.last };
+            Way::Both(near, far)
+        }
+    }
 }
 
 impl Structure for KdTree {
@@ -119,45 +150,34 @@ impl Structure for KdTree {
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         let across = Across::new(ray);
         let inverse = ray.inverse_direction();
-        let Some((mut first, mut last)) = self.clip(ray, inverse) else { return };
+        let Some(mut cell) = self.enter(ray, inverse) else { return };
         let mut room = Room::<Cell, MAX_DEPTH>::new();
         let mut stack = Stack::new(&mut room);
-        let (mut index, mut t_far) = (0, ray.t_max);
+        let mut t_far = ray.t_max;
         loop {
             counter.node();
-            let node = self.nodes.at(index);
+            let node = self.nodes.at(cell.node);
             if !node.is_leaf() {
                 // Near child first; the far one waits, unless the ray stays on one side of the plane.
-                let axis = node.axis();
-                let (origin, slope) = (ray.origin[axis], inverse[axis]);
-                let t = (node.plane() - origin) * slope;
-                let below_is_near = slope > 0.0;
-                let near = node.below() + !below_is_near as u32;
-                let far = node.below() + below_is_near as u32;
-                if earlier(t) > last {
-                    index = near;
-                } else if later(t) < first {
-                    index = far;
-                } else {
-                    stack.push(Cell { node: far, first: arch::max(first, earlier(t)), last });
-                    last = arch::min(last, later(t));
-                    index = near;
-                }
+                cell = match cell.way(node, ray, inverse) {
+                    Way::One(child) => child,
+                    Way::Both(near, far) => {
+                        stack.push(far);
+                        near
+                    }
+                };
                 continue;
             }
-            for reference in node.first()..node.first() + node.count() {
-                counter.triangle();
-                t_far = visitor.visit(&across, &self.triangles.load(self.references.at(reference)));
-                if t_far < ray.t_min {
-                    return;
-                }
+            t_far = self.leaf(node, &across, t_far, counter, visitor);
+            if t_far < ray.t_min {
+                return;
             }
             // What begins behind the nearest hit is dropped, cell by cell: most of the stack lies further back, but cells
             // overlap where their distances are uncertain, so one that is too far says nothing about the next.
             let reach = later(t_far);
-            (index, first, last) = loop {
+            cell = loop {
                 match stack.pop() {
-                    Some(cell) if cell.first <= reach => break (cell.node, cell.first, cell.last),
+                    Some(cell) if cell.first <= reach => break cell,
                     Some(_) => {}
                     None => return,
                 }
@@ -167,15 +187,36 @@ impl Structure for KdTree {
 }
 
 impl KdTree {
-    /// The piece of the ray inside the bounds.
+    /// The root's cell, if the ray meets it.
     #[inline(always)]
-    fn clip(&self, ray: &Ray, inverse: Vec3) -> Option<(f32, f32)> {
+    pub(super) fn enter(&self, ray: &Ray, inverse: Vec3) -> Option<Cell> {
         let a = (self.low - ray.origin) * inverse;
         let b = (self.high - ray.origin) * inverse;
         let (low, high) = (a.min(b), a.max(b));
         let first = arch::max(arch::max(low.x, low.y), arch::max(low.z, ray.t_min));
         let last = arch::min(arch::min(high.x, high.y), arch::min(high.z, ray.t_max));
-        (earlier(first) <= later(last)).then_some((earlier(first), later(last)))
+        let root = Cell { node: 0, first: earlier(first), last: later(last) };
+        (root.first <= root.last).then_some(root)
+    }
+
+    /// Shows the triangles of a leaf, and answers how far the ray is of interest then: as before where there are none.
+    #[inline(always)]
+    pub(super) fn leaf(
+        &self,
+        leaf: Node,
+        across: &Across,
+        mut t_far: f32,
+        counter: &mut impl Counter,
+        visitor: &mut impl Visitor,
+    ) -> f32 {
+        for reference in leaf.first()..leaf.first() + leaf.count() {
+            counter.triangle();
+            t_far = visitor.visit(across, &self.triangles.load(self.references.at(reference)));
+            if t_far < across.ray.t_min {
+                break;
+            }
+        }
+        t_far
     }
 }
 

@@ -36,7 +36,9 @@ impl Accel {
     pub fn boxes(&self, level: u32) -> Vec<TreeBox> {
         let nodes = match self {
             Self::Brute(list) => Nodes::List(Cow::from(list.triangles())),
-            Self::Kd(tree) => Nodes::Kd(tree.nodes().into(), tree.bounds().map(|corner| corner.to_array())),
+            Self::Kd(tree) | Self::KdSah(tree) | Self::KdTrail(tree) => {
+                Nodes::Kd(tree.nodes().into(), tree.bounds().map(|corner| corner.to_array()))
+            }
             Self::Bvh2(tree) => Nodes::Bvh2(tree.nodes().into()),
             Self::Bvh2c(tree) => Nodes::Bvh2c(tree.nodes().into(), tree.grid),
             Self::Bvh(tree) => Nodes::Bvh2(tree.full.nodes().into()),
@@ -54,7 +56,9 @@ impl Resident {
     pub fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
         let nodes = match self {
             Self::Brute { triangles } => Nodes::List(triangles.items()?),
-            Self::Kd { nodes, low, high, .. } => Nodes::Kd(nodes.items()?, [low, high].map(|corner| corner.to_array())),
+            Self::Kd(tree) | Self::KdTrail(tree) => {
+                Nodes::Kd(tree.nodes.items()?, tree.bounds.map(|corner| corner.to_array()))
+            }
             Self::Bvh2 { nodes, .. } | Self::Bvh { full: nodes, .. } => Nodes::Bvh2(nodes.items()?),
             Self::Bvh2c { nodes, grid, .. } => Nodes::Bvh2c(nodes.items()?, *grid),
             Self::Bvh4 { nodes, .. } => Nodes::Bvh4(nodes.items()?),

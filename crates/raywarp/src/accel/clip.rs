@@ -74,16 +74,20 @@ impl Polygon {
 
     /// The part in a box.
     pub fn within(&self, bounds: &Bounds) -> Option<Self> {
+        self.between(&bounds.low.map(f64::from), &bounds.high.map(f64::from))
+    }
+
+    /// The part in a box from `low` to `high`.
+    pub fn between(&self, low: &[f64; 3], high: &[f64; 3]) -> Option<Self> {
         (0..3).try_fold(*self, |part, axis| {
-            let [_, above] = part.split_unless_clear(axis, bounds.low[axis]);
-            let [below, _] = above?.split_unless_clear(axis, bounds.high[axis]);
+            let [_, above] = part.split_unless_clear(axis, low[axis]);
+            let [below, _] = above?.split_unless_clear(axis, high[axis]);
             below
         })
     }
 
     /// As [`split`](Self::split), for less where the plane does not cut.
-    fn split_unless_clear(&self, axis: usize, plane: f32) -> [Option<Self>; 2] {
-        let plane = f64::from(plane);
+    fn split_unless_clear(&self, axis: usize, plane: f64) -> [Option<Self>; 2] {
         if self.corners().iter().all(|corner| corner[axis] > plane) {
             return [None, Some(*self)];
         }

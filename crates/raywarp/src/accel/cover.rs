@@ -71,20 +71,31 @@ fn key(triangle: &Triangle) -> Key {
 }
 
 /// A box in double precision.
-struct Space {
+pub(super) struct Space {
     low: [f64; 3],
     high: [f64; 3],
 }
 
 impl Space {
-    /// Less than half of the margin that builders leave stays outside, and a quarter of a step of the coordinate at least.
+    /// A box less a [`narrow`] margin on every side: a ray that passes within that of a point inside enters the box.
     fn inside(bounds: &Bounds, extent: f32) -> Self {
-        let margin = 0.5 * f64::from(MARGIN) * f64::from(extent);
-        let step = |x: f32| 0.25 * (f64::from(x.abs().next_up()) - f64::from(x.abs()));
         Self {
-            low: bounds.low.map(|x| f64::from(x) + margin.max(step(x))),
-            high: bounds.high.map(|x| f64::from(x) - margin.max(step(x))),
+            low: bounds.low.map(|x| f64::from(x) + narrow(x, extent)),
+            high: bounds.high.map(|x| f64::from(x) - narrow(x, extent)),
         }
+    }
+
+    /// A box and a [`narrow`] margin on every side: rays in the box may hit what of a triangle is in here.
+    pub fn around(bounds: &Bounds, extent: f32) -> Self {
+        Self {
+            low: bounds.low.map(|x| f64::from(x) - narrow(x, extent)),
+            high: bounds.high.map(|x| f64::from(x) + narrow(x, extent)),
+        }
+    }
+
+    /// Whether any of a triangle with finite corners is in it.
+    pub fn meets(&self, triangle: &Triangle) -> bool {
+        Polygon::of(triangle).between(&self.low, &self.high).is_some()
     }
 
     fn contains(&self, point: &[f64; 3]) -> bool {
@@ -134,6 +145,13 @@ fn covered(triangle: &Triangle, parts: &[Part]) -> bool {
         }));
     }
     true
+}
+
+/// Less than half of the margin that builders leave stays outside, and a quarter of a step of the coordinate at least.
+fn narrow(x: f32, extent: f32) -> f64 {
+    let margin = 0.5 * f64::from(MARGIN) * f64::from(extent);
+    let step = 0.25 * (f64::from(x.abs().next_up()) - f64::from(x.abs()));
+    margin.max(step)
 }
 
 fn meets(space: &Space, piece: &Polygon) -> bool {

@@ -151,6 +151,12 @@ pub enum Invalid {
         /// The node that holds the grid.
         node: u32,
     },
+    /// A cell that is cut nowhere.
+    #[error("node {node} is cut at a plane that is not a number")]
+    NoPlane {
+        /// Which.
+        node: u32,
+    },
     /// Of a node that tells by a byte what a slot holds.
     #[error("slot {slot} of node {node} holds neither a node nor a leaf")]
     Slot {

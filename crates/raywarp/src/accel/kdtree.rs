@@ -6,6 +6,8 @@ use raywarp_kernels::traverse::kdtree::{Node, MAX_DEPTH};
 use raywarp_kernels::triangle::Triangle;
 
 use super::bounds::Bounds;
+use super::cover::Space;
+use super::triangles::is_finite;
 use super::view::{lend, Borrowed};
 use super::{Invalid, TreeStats};
 
@@ -56,15 +58,24 @@ impl KdTree {
         [self.low, self.high]
     }
 
-    /// For tracing on this machine.
+    /// For tracing on this machine, with a stack.
     pub fn view(&self) -> Borrowed<'_, traverse::KdTree> {
-        Borrowed::new(traverse::KdTree {
+        Borrowed::new(self.lent())
+    }
+
+    /// For tracing on this machine, with restarts.
+    pub fn trail(&self) -> Borrowed<'_, traverse::KdTrail> {
+        Borrowed::new(traverse::KdTrail { tree: self.lent() })
+    }
+
+    fn lent(&self) -> traverse::KdTree {
+        traverse::KdTree {
             nodes: lend(&self.nodes),
             references: lend(&self.references),
             triangles: lend(&self.triangles),
             low: self.low,
             high: self.high,
-        })
+        }
     }
 
     fn root_cell(&self) -> Bounds {
@@ -96,7 +107,8 @@ impl KdTree {
         stats
     }
 
-    /// See [`Accel::validate`](super::Accel::validate).
+    /// See [`Accel::validate`](super::Accel::validate). A triangle must be in every leaf whose cell comes close to it. What
+    /// else is around its box does not count: a builder may cut triangles along the faces of cells.
     ///
     /// # Errors
     /// The first flaw found.
@@ -105,12 +117,14 @@ impl KdTree {
             return Err(Invalid::NoRoot);
         }
         let bounds: Vec<_> = self.triangles.iter().map(Bounds::of).collect();
-        if !bounds.iter().all(|bounds| self.root_cell().contains(bounds)) {
+        // The others are never hit, wherever they are.
+        let hittable = |&i: &u32| is_finite(&self.triangles[i as usize]);
+        let everything: Vec<u32> = (0..bounds.len() as u32).filter(hittable).collect();
+        if !everything.iter().all(|&i| self.root_cell().contains(&bounds[i as usize])) {
             return Err(Invalid::Outside { node: 0 });
         }
-        let everything: Vec<u32> = (0..bounds.len() as u32).collect();
         let mut walk = Walk { tree: self, bounds, reached: vec![false; self.nodes.len()] };
-        walk.node(0, 0, &everything)?;
+        walk.node(Place { node: 0, above: 0, cell: self.root_cell() }, &everything)?;
         walk.everything_reached()
     }
 }
@@ -130,9 +144,18 @@ struct Walk<'a> {
     reached: Vec<bool>,
 }
 
+/// A node with `above` others on the way to it.
+#[derive(Clone, Copy)]
+struct Place {
+    node: u32,
+    above: usize,
+    cell: Bounds,
+}
+
 impl Walk<'_> {
-    /// Checks a node with `above` others on the way to it, whose cell `inside` touch.
-    fn node(&mut self, index: u32, above: usize, inside: &[u32]) -> Result<(), Invalid> {
+    /// Checks a node and what is below it, where the triangles `inside` are close to its cell.
+    fn node(&mut self, place: Place, inside: &[u32]) -> Result<(), Invalid> {
+        let Place { node: index, above, cell } = place;
         if std::mem::replace(&mut self.reached[index as usize], true) {
             return Err(Invalid::Reached { node: index });
         }
@@ -147,13 +170,27 @@ impl Walk<'_> {
         if last as usize >= count {
             return Err(Invalid::OutOfRange { node: index, what: "node", index: last.into(), count });
         }
-        let (axis, plane) = (node.axis() as usize, node.plane());
-        let below: Vec<u32> = inside.iter().copied().filter(|&i| self.bounds[i as usize].low[axis] <= plane).collect();
-        self.node(node.below(), above + 1, &below)?;
-        drop(below);
-        let beyond: Vec<u32> =
-            inside.iter().copied().filter(|&i| self.bounds[i as usize].high[axis] >= plane).collect();
-        self.node(node.below() + 1, above + 1, &beyond)
+        if node.plane().is_nan() {
+            return Err(Invalid::NoPlane { node: index });
+        }
+        let cells = cut(&cell, node);
+        for (side, cell) in cells.into_iter().enumerate() {
+            let there: Vec<u32> = inside.iter().copied().filter(|&i| self.comes_near(i, node, side, &cells)).collect();
+            self.node(Place { node: node.below() + side as u32, above: above + 1, cell }, &there)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a triangle that is close to a node's cell may be hit in the part on one side of the node's plane.
+    fn comes_near(&self, triangle: u32, node: Node, side: usize, cells: &[Bounds; 2]) -> bool {
+        let (bounds, axis) = (&self.bounds[triangle as usize], node.axis() as usize);
+        let sides = [bounds.low[axis] <= node.plane(), bounds.high[axis] >= node.plane()];
+        let triangle = &self.tree.triangles[triangle as usize];
+        // The box alone tells where there is but one side. So does a plane beside the cell, which leaves one of no size.
+        match sides {
+            [true, true] => Space::around(&cells[side], triangle.extent).meets(triangle),
+            sides => sides[side],
+        }
     }
 
     fn leaf(&self, index: u32, node: Node, inside: &[u32]) -> Result<(), Invalid> {

@@ -2,36 +2,29 @@
 //!
 //! A cell at depth d is cut on axis d mod 3 at the median of its triangles' centres; where that separates nothing, on
 //! the next axis that does. Triangles whose bounds touch the plane, from either side or through it, go to both
-//! children. It is the simplest k-d tree, kept for comparison with the paper: a better one would weigh areas
-//! (Wald and Havran 2006).
+//! children. It is the simplest k-d tree, kept for comparison with the paper: [`kdtree_sah`](super::kdtree_sah) is a
+//! better one.
 
 use std::time::Instant;
 
 use rayon::prelude::*;
-use raywarp_kernels::traverse::kdtree::{Node, MAX_DEPTH, MAX_LINK};
 use raywarp_kernels::triangle::Triangle;
 
 use super::bounds::Bounds;
 use super::kdtree::KdTree;
+use super::kdtree_arrays::{deepest, share, Arrays, COPIES, MAX_TRIANGLES};
 use super::BuildError;
 
 /// References that a leaf may have without being split further.
 const LEAF: usize = 8;
 
-/// References of all leaves together are at most this many times the triangles. A cell that must not add as many as
-/// its split would becomes a leaf instead.
-const COPIES: usize = 16;
-
 /// Cells with more triangles are built by two threads.
 const PARALLEL: usize = 4096;
-
-/// Most triangles: their copies must have an index each.
-const MAX_TRIANGLES: u32 = MAX_LINK / COPIES as u32;
 
 /// Builds the tree. The result depends on the triangles and their order alone, not on the number of threads.
 ///
 /// # Errors
-/// More triangles than [`MAX_LINK`] references allow.
+/// More triangles than links to their copies can tell apart.
 pub fn build(triangles: Vec<Triangle>) -> Result<KdTree, BuildError> {
     let start = Instant::now();
     BuildError::check(triangles.len(), MAX_TRIANGLES)?;
@@ -43,41 +36,6 @@ pub fn build(triangles: Vec<Triangle>) -> Result<KdTree, BuildError> {
     let [low, high] = bounds.iter().copied().reduce(|a, b| a.join(&b)).unwrap_or(Bounds::POINT).corners();
     let build_seconds = start.elapsed().as_secs_f64();
     Ok(KdTree { nodes: tree.nodes, references: tree.references, triangles, low, high, build_seconds })
-}
-
-/// Levels of inner nodes: 8 + 1.3 log2 n (Havran 2000, page 65), within what traversal's stack holds.
-fn deepest(triangles: usize) -> usize {
-    let levels = 8.0 + 1.3 * (triangles.max(1) as f64).log2();
-    (levels as usize).min(MAX_DEPTH)
-}
-
-/// A tree or a part of one, whose links count from its own start.
-#[derive(Debug)]
-struct Arrays {
-    nodes: Vec<Node>,
-    references: Vec<u32>,
-}
-
-impl Arrays {
-    fn with_root() -> Self {
-        Self { nodes: vec![Node::leaf(0, 0)], references: Vec::new() }
-    }
-
-    /// Moves another tree in here: its root to `slot`, the rest to the end.
-    fn adopt(&mut self, slot: usize, other: Self) {
-        let (nodes, references) = (self.nodes.len() as u32, self.references.len() as u32);
-        let moved = |node: Node| match node.is_leaf() {
-            true => Node::leaf(node.first() + references, node.count()),
-            // The root stayed behind, so everything else is one place nearer.
-            false => Node::inner(node.axis(), node.plane(), node.below() + nodes - 1),
-        };
-        let mut others = other.nodes.into_iter().map(moved);
-        if let Some(root) = others.next() {
-            self.nodes[slot] = root;
-        }
-        self.nodes.extend(others);
-        self.references.extend(other.references);
-    }
 }
 
 struct Builder<'a> {
@@ -92,17 +50,11 @@ impl Builder<'_> {
         let count = inside.len();
         let cut = (count > LEAF && depth < self.deepest).then(|| self.cut(&inside, budget, depth)).flatten();
         let Some(Cut { axis, plane, below, above }) = cut else {
-            tree.nodes[slot] = Node::leaf(tree.references.len() as u32, count as u32);
-            tree.references.extend(inside);
-            return;
+            return tree.leaf(slot, inside.into_iter());
         };
         drop(inside);
-        let children = tree.nodes.len();
-        tree.nodes.extend([Node::leaf(0, 0); 2]);
-        tree.nodes[slot] = Node::inner(axis as u32, plane, children as u32);
-        // By the share of each; both get at least what they already have, since the sum did not exceed the budget.
-        let left = budget * below.len() / (below.len() + above.len());
-        let right = budget - left;
+        let children = tree.inner(slot, axis, plane);
+        let [left, right] = share(budget, below.len(), above.len());
         if count > PARALLEL {
             let mut apart = Arrays::with_root();
             rayon::join(
@@ -155,6 +107,7 @@ mod tests {
     use super::*;
     use crate::accel::Invalid;
     use raywarp_kernels::math::vec3;
+    use raywarp_kernels::traverse::kdtree::Node;
 
     fn at(x: f32, size: f32, primitive: u32) -> Triangle {
         let corner = |y, z| vec3(x, y * size, z * size);

@@ -13,6 +13,10 @@ pub enum AccelKind {
     Brute,
     /// The paper's k-d tree: median splits, axes in turn.
     Kd,
+    /// The k-d tree of the surface area heuristic, traversed by a stack.
+    KdSah,
+    /// The same, traversed by restarts and a trail, with a stack of four cells.
+    KdTrail,
     /// Binary hierarchy of boxes, 64 bytes a node.
     Bvh2,
     /// The same on a grid of 16 bits an axis, 32 bytes a node.
@@ -32,8 +36,24 @@ pub enum AccelKind {
 
 impl AccelKind {
     /// Every kind.
-    pub const ALL: [Self; 9] =
-        [Self::Brute, Self::Kd, Self::Bvh2, Self::Bvh2c, Self::Bvh, Self::Bvh4, Self::Bvh8, Self::Bvh8w, Self::Bvh8f];
+    pub const ALL: [Self; 11] = [
+        Self::Brute,
+        Self::Kd,
+        Self::KdSah,
+        Self::KdTrail,
+        Self::Bvh2,
+        Self::Bvh2c,
+        Self::Bvh,
+        Self::Bvh4,
+        Self::Bvh8,
+        Self::Bvh8w,
+        Self::Bvh8f,
+    ];
+
+    /// Whether this is a hierarchy of boxes, in some layout. Those come in several qualities, and are kept on disk.
+    pub const fn is_hierarchy(self) -> bool {
+        !matches!(self, Self::Brute | Self::Kd | Self::KdSah | Self::KdTrail)
+    }
 
     /// The fastest on a device, as measured on an H200 and on x86-64: `docs/bench`. On a GPU the tree in two layouts, from
     /// which each warp takes what suits its rays; on a CPU the one whose boxes fill a vector.
@@ -50,6 +70,8 @@ impl AccelKind {
         match self {
             Self::Brute => "brute",
             Self::Kd => "kd",
+            Self::KdSah => "kdsah",
+            Self::KdTrail => "kdtrail",
             Self::Bvh2 => "bvh2",
             Self::Bvh2c => "bvh2c",
             Self::Bvh => "bvh",
@@ -69,7 +91,9 @@ impl fmt::Display for AccelKind {
 
 /// A name that belongs to no structure.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("'{0}' is no acceleration structure; expected brute, kd, bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w or bvh8f")]
+#[error(
+    "'{0}' is no acceleration structure; expected brute, kd, kdsah, kdtrail, bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w or bvh8f"
+)]
 pub struct UnknownKind(pub String);
 
 impl FromStr for AccelKind {

@@ -1,7 +1,7 @@
 //! Building what finds the triangles along a ray.
 //!
 //! The way of a triangle: [`sift`] drops what can never be hit, [`Accel::build`] picks a builder ([`brute`] keeps the
-//! list, [`kdtree_median`] builds a [`kdtree`], [`bvh2_build`] a [`bvh2`], of which wider trees are made: [`bvh4`],
+//! list, [`kdtree_median`] and [`kdtree_sah`] build a [`kdtree`], [`bvh2_build`] a [`bvh2`], of which wider trees are made: [`bvh4`],
 //! [`bvh8`], [`bvh8w`], [`bvh8f`]), [`Accel::validate`] proves that traversal will neither miss a triangle nor leave the
 //! arrays, [`Accel::stats`] says how good the tree is.
 //!
@@ -34,7 +34,9 @@ mod error;
 mod grid;
 pub mod instanced;
 pub mod kdtree;
+mod kdtree_arrays;
 pub mod kdtree_median;
+pub mod kdtree_sah;
 mod kind;
 mod leaves;
 pub mod octants;
@@ -71,6 +73,10 @@ pub enum Accel {
     Brute(brute::Brute),
     /// The paper's k-d tree.
     Kd(kdtree::KdTree),
+    /// The k-d tree of the surface area heuristic, traversed by a stack.
+    KdSah(kdtree::KdTree),
+    /// The same tree, traversed by restarts.
+    KdTrail(kdtree::KdTree),
     /// A binary hierarchy of boxes.
     Bvh2(bvh2::Bvh2),
     /// The same in half the memory.
@@ -97,6 +103,8 @@ impl Accel {
         match kind {
             AccelKind::Brute => Ok(Self::Brute(brute::Brute::new(triangles)?)),
             AccelKind::Kd => Ok(Self::Kd(kdtree_median::build(triangles)?)),
+            AccelKind::KdSah => Ok(Self::KdSah(kdtree_sah::build(triangles)?)),
+            AccelKind::KdTrail => Ok(Self::KdTrail(kdtree_sah::build(triangles)?)),
             _ => Self::laid_out(kind, bvh2_build::build(triangles, quality)?),
         }
     }
@@ -107,13 +115,15 @@ impl Accel {
     /// More triangles than an index of the layout can tell apart.
     pub(crate) fn laid_out(kind: AccelKind, tree: bvh2::Bvh2) -> Result<Self, BuildError> {
         Ok(match kind {
-            AccelKind::Brute | AccelKind::Kd | AccelKind::Bvh2 => Self::Bvh2(tree),
             AccelKind::Bvh2c => Self::Bvh2c(compact::Compact::new(tree)),
             AccelKind::Bvh => Self::Bvh(octants::Octants::new(tree)),
             AccelKind::Bvh4 => Self::Bvh4(bvh4::Bvh4::from_bvh2(&tree)),
             AccelKind::Bvh8 => Self::Bvh8(bvh8::Bvh8::from_bvh2(&tree)),
             AccelKind::Bvh8w => Self::Bvh8w(bvh8w::Bvh8w::from_bvh2(&tree)),
             AccelKind::Bvh8f => Self::Bvh8f(bvh8f::Bvh8f::from_bvh2(&tree)?),
+            AccelKind::Brute | AccelKind::Kd | AccelKind::KdSah | AccelKind::KdTrail | AccelKind::Bvh2 => {
+                Self::Bvh2(tree)
+            }
         })
     }
 
@@ -122,6 +132,8 @@ impl Accel {
         match self {
             Self::Brute(_) => AccelKind::Brute,
             Self::Kd(_) => AccelKind::Kd,
+            Self::KdSah(_) => AccelKind::KdSah,
+            Self::KdTrail(_) => AccelKind::KdTrail,
             Self::Bvh2(_) => AccelKind::Bvh2,
             Self::Bvh2c(_) => AccelKind::Bvh2c,
             Self::Bvh(_) => AccelKind::Bvh,
@@ -139,7 +151,7 @@ impl Accel {
     pub fn validate(&self) -> Result<(), Invalid> {
         match self {
             Self::Brute(_) => Ok(()),
-            Self::Kd(tree) => tree.validate(),
+            Self::Kd(tree) | Self::KdSah(tree) | Self::KdTrail(tree) => tree.validate(),
             Self::Bvh2(tree) => tree.validate(),
             Self::Bvh2c(tree) => tree.validate(),
             Self::Bvh(tree) => tree.validate(),
@@ -154,7 +166,7 @@ impl Accel {
     pub fn stats(&self) -> TreeStats {
         match self {
             Self::Brute(list) => list.stats(),
-            Self::Kd(tree) => tree.stats(),
+            Self::Kd(tree) | Self::KdSah(tree) | Self::KdTrail(tree) => tree.stats(),
             Self::Bvh2(tree) => tree.stats(),
             Self::Bvh2c(tree) => tree.stats(),
             Self::Bvh(tree) => tree.stats(),
@@ -171,7 +183,7 @@ impl Accel {
     pub fn triangles(&self) -> Cow<'_, [Triangle]> {
         match self {
             Self::Brute(list) => list.triangles().into(),
-            Self::Kd(tree) => tree.triangles().into(),
+            Self::Kd(tree) | Self::KdSah(tree) | Self::KdTrail(tree) => tree.triangles().into(),
             Self::Bvh2(tree) => tree.triangles().into(),
             Self::Bvh2c(tree) => tree.triangles().into(),
             Self::Bvh(tree) => tree.triangles().into(),
@@ -186,7 +198,8 @@ impl Accel {
     pub fn closest(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
         match self {
             Self::Brute(list) => closest(&list.view(), ray, previous, counter),
-            Self::Kd(tree) => closest(&tree.view(), ray, previous, counter),
+            Self::Kd(tree) | Self::KdSah(tree) => closest(&tree.view(), ray, previous, counter),
+            Self::KdTrail(tree) => closest(&tree.trail(), ray, previous, counter),
             Self::Bvh2(tree) => closest(&tree.view(), ray, previous, counter),
             Self::Bvh2c(tree) => closest(&tree.view(), ray, previous, counter),
             Self::Bvh(tree) => closest(&tree.view(), ray, previous, counter),
@@ -201,7 +214,8 @@ impl Accel {
     pub fn occlusion(&self, ray: &Ray, counter: &mut impl Counter) -> Occlusion {
         match self {
             Self::Brute(list) => occlusion(&list.view(), ray, counter),
-            Self::Kd(tree) => occlusion(&tree.view(), ray, counter),
+            Self::Kd(tree) | Self::KdSah(tree) => occlusion(&tree.view(), ray, counter),
+            Self::KdTrail(tree) => occlusion(&tree.trail(), ray, counter),
             Self::Bvh2(tree) => occlusion(&tree.view(), ray, counter),
             Self::Bvh2c(tree) => occlusion(&tree.view(), ray, counter),
             Self::Bvh(tree) => occlusion(&tree.view(), ray, counter),

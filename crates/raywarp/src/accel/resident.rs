@@ -5,6 +5,7 @@ use raywarp_kernels::traverse::{self, bvh2, bvh4, bvh8, bvh8f, bvh8w, compact, k
 use raywarp_kernels::triangle::Triangle;
 
 use super::instanced::Instanced;
+use super::kdtree::KdTree;
 use super::Accel;
 use crate::backend::{Buffer, Device, DeviceError};
 
@@ -13,13 +14,8 @@ pub(crate) enum Resident {
     Brute {
         triangles: Buffer<Triangle>,
     },
-    Kd {
-        nodes: Buffer<kdtree::Node>,
-        references: Buffer<u32>,
-        triangles: Buffer<Triangle>,
-        low: Vec3,
-        high: Vec3,
-    },
+    Kd(ResidentKd),
+    KdTrail(ResidentKd),
     Bvh2 {
         nodes: Buffer<bvh2::Node>,
         triangles: Buffer<Triangle>,
@@ -67,14 +63,12 @@ macro_rules! with_structure {
                 let $structure = raywarp_kernels::traverse::Brute { triangles: triangles.view() };
                 $body
             }
-            $crate::accel::Resident::Kd { nodes, references, triangles, low, high } => {
-                let $structure = raywarp_kernels::traverse::KdTree {
-                    nodes: nodes.view(),
-                    references: references.view(),
-                    triangles: triangles.view(),
-                    low: *low,
-                    high: *high,
-                };
+            $crate::accel::Resident::Kd(tree) => {
+                let $structure = tree.view();
+                $body
+            }
+            $crate::accel::Resident::KdTrail(tree) => {
+                let $structure = raywarp_kernels::traverse::KdTrail { tree: tree.view() };
                 $body
             }
             $crate::accel::Resident::Bvh2 { nodes, triangles, reach } => {
@@ -122,13 +116,8 @@ impl Resident {
     pub fn upload(device: &Device, tree: &Accel) -> Result<Self, DeviceError> {
         Ok(match tree {
             Accel::Brute(list) => Self::Brute { triangles: device.upload(&list.triangles)? },
-            Accel::Kd(tree) => Self::Kd {
-                nodes: device.upload(&tree.nodes)?,
-                references: device.upload(&tree.references)?,
-                triangles: device.upload(&tree.triangles)?,
-                low: tree.low,
-                high: tree.high,
-            },
+            Accel::Kd(tree) | Accel::KdSah(tree) => Self::Kd(ResidentKd::upload(device, tree)?),
+            Accel::KdTrail(tree) => Self::KdTrail(ResidentKd::upload(device, tree)?),
             Accel::Bvh2(tree) => Self::Bvh2 {
                 nodes: device.upload(&tree.nodes)?,
                 triangles: device.upload(&tree.triangles)?,
@@ -159,6 +148,37 @@ impl Resident {
                 Self::Bvh8f { nodes: device.upload(&tree.nodes)?, blocks: device.upload(&tree.blocks)? }
             }
         })
+    }
+}
+
+/// A k-d tree on a device, however it is traversed.
+pub(crate) struct ResidentKd {
+    pub nodes: Buffer<kdtree::Node>,
+    references: Buffer<u32>,
+    triangles: Buffer<Triangle>,
+    /// Low and high corner of everything.
+    pub bounds: [Vec3; 2],
+}
+
+impl ResidentKd {
+    fn upload(device: &Device, tree: &KdTree) -> Result<Self, DeviceError> {
+        Ok(Self {
+            nodes: device.upload(&tree.nodes)?,
+            references: device.upload(&tree.references)?,
+            triangles: device.upload(&tree.triangles)?,
+            bounds: tree.bounds(),
+        })
+    }
+
+    pub fn view(&self) -> traverse::KdTree {
+        let [low, high] = self.bounds;
+        traverse::KdTree {
+            nodes: self.nodes.view(),
+            references: self.references.view(),
+            triangles: self.triangles.view(),
+            low,
+            high,
+        }
     }
 }
 

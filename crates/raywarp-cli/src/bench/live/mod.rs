@@ -64,9 +64,9 @@ fn builds(options: &BenchOptions) -> Vec<RenderDefaults> {
     let Look { max_depth, shadows, .. } = Look::default();
     let usual = RenderDefaults { max_depth: Some(max_depth), shadows: Some(shadows), ..RenderDefaults::default() };
     let build = |accel, tree| RenderDefaults { accel, tree: Some(tree), ..usual };
-    let qualities = |accel: Option<AccelKind>| match accel {
-        Some(AccelKind::Brute | AccelKind::Kd) => vec![Quality::default()],
-        _ => options.tree.clone(),
+    let qualities = |accel: Option<AccelKind>| match accel.is_none_or(AccelKind::is_hierarchy) {
+        true => options.tree.clone(),
+        false => vec![Quality::default()],
     };
     layouts.into_iter().flat_map(|accel| qualities(accel).into_iter().map(move |tree| build(accel, tree))).collect()
 }

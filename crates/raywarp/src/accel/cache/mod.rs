@@ -110,8 +110,7 @@ pub fn build_cached(
     cache: Option<&Cache>,
 ) -> Result<Cached, BuildError> {
     let what = what.into();
-    let is_hierarchy = !matches!(what.kind, AccelKind::Brute | AccelKind::Kd);
-    let Some(cache) = cache.filter(|_| is_hierarchy && triangles.len() >= SMALLEST) else {
+    let Some(cache) = cache.filter(|_| what.kind.is_hierarchy() && triangles.len() >= SMALLEST) else {
         return Ok(Cached { accel: Accel::build(what, triangles)?, found: false, warning: None });
     };
     // Every layout is made of the same tree.

@@ -1,0 +1,78 @@
+//! Builds a k-d tree by the surface area heuristic in O(n log n) (Wald and Havran 2006, "On building fast kd-trees for ray
+//! tracing, and on doing that in O(N log N)").
+//!
+//! A cell is cut where the heuristic expects the least work, among all planes where a part of a triangle begins or ends.
+//! A part is what of a triangle is in the cell (a "perfect split"), so a triangle is not where only its box is. Begins
+//! and ends are sorted once; a cut hands them down in their order, and sorts those of the parts that it goes through. A
+//! cell becomes a leaf where the best cut costs more than it saves.
+//!
+//! Parts keep the margin of a hit (see [`share`](part::share)). It gives width to what is flat: Wald and Havran try a
+//! triangle that lies in the plane on either side, here those are two planes, a margin below the triangle and a margin
+//! above. No plane goes through it.
+
+mod cell;
+mod event;
+mod part;
+mod plane;
+
+use std::time::Instant;
+
+use raywarp_kernels::triangle::Triangle;
+
+use self::cell::{Cell, PARALLEL};
+use super::kdtree::KdTree;
+use super::kdtree_arrays::{deepest, share, Arrays, COPIES, MAX_TRIANGLES};
+use super::BuildError;
+
+/// Builds the tree. The result depends on the triangles and their order alone, not on the number of threads. Triangles
+/// with coordinates that are not finite are in no leaf.
+///
+/// # Errors
+/// More triangles than links to their copies can tell apart.
+pub fn build(triangles: Vec<Triangle>) -> Result<KdTree, BuildError> {
+    let start = Instant::now();
+    BuildError::check(triangles.len(), MAX_TRIANGLES)?;
+    let cell = Cell::around(&triangles);
+    let [low, high] = cell.bounds.corners();
+    let builder = Builder { triangles: &triangles, deepest: deepest(triangles.len()) };
+    let mut tree = Arrays::with_root();
+    builder.grow(cell, COPIES * triangles.len(), 0, 0, &mut tree);
+    let build_seconds = start.elapsed().as_secs_f64();
+    Ok(KdTree { nodes: tree.nodes, references: tree.references, triangles, low, high, build_seconds })
+}
+
+struct Builder<'a> {
+    triangles: &'a [Triangle],
+    deepest: usize,
+}
+
+impl Builder<'_> {
+    /// Makes the node at `slot` that of a cell, and adds what is below it. The leaves there hold at most `budget`
+    /// references.
+    fn grow(&self, cell: Cell, budget: usize, depth: usize, slot: usize, tree: &mut Arrays) {
+        let count = cell.parts.len();
+        let plane = (depth < self.deepest).then(|| plane::best(&cell)).flatten();
+        let worth =
+            |plane: &plane::Plane| plane.cost < count as f64 && plane.counts.iter().sum::<u32>() as usize <= budget;
+        let Some(plane) = plane.filter(worth) else {
+            return tree.leaf(slot, cell.parts.iter().map(|part| part.triangle));
+        };
+        let [below, above] = cell.cut(&plane, self.triangles);
+        let children = tree.inner(slot, plane.axis, plane.at);
+        let [left, right] = share(budget, below.parts.len(), above.parts.len());
+        if count > PARALLEL {
+            let mut apart = Arrays::with_root();
+            rayon::join(
+                || self.grow(below, left, depth + 1, children, tree),
+                || self.grow(above, right, depth + 1, 0, &mut apart),
+            );
+            tree.adopt(children + 1, apart);
+        } else {
+            self.grow(below, left, depth + 1, children, tree);
+            self.grow(above, right, depth + 1, children + 1, tree);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
