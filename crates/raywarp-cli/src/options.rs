@@ -421,7 +421,7 @@ pub struct MachineOptions {
     /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
     #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
     pub device: DeviceChoice,
-    /// How to find hits: brute (every triangle), a k-d tree: kd (the paper's), kdsah, kdtrail, or a hierarchy of boxes:
+    /// How to find hits: brute, staged (every triangle), a k-d tree: kd (the paper's), kdsah, kdtrail, or a hierarchy of boxes:
     /// bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w, bvh8f [default: the scene file's, else the fastest on the device]
     #[arg(long, value_name = "KIND", help_heading = "Machine")]
     pub accel: Option<AccelKind>,

@@ -43,10 +43,10 @@ pub struct BenchOptions {
     #[arg(long, conflicts_with_all = ["frames", "rays", "repeats", "min_rays", "counts", "peers"])]
     #[arg(help_heading = "What to measure")]
     pub live: bool,
-    /// Kinds of rays, with commas: primary, shadow, ao (ambient occlusion), diffuse, random; none: all
+    /// Kinds of rays, with commas: primary, shadow, ao (ambient occlusion), reflected, diffuse, random; none: all
     #[arg(long, value_name = "LIST", value_delimiter = ',', help_heading = "What to measure")]
     pub rays: Vec<RayKind>,
-    /// Structures, with commas: brute, kd, kdsah, kdtrail, bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w, bvh8f; none: the fastest on
+    /// Structures, with commas: brute, staged, kd, kdsah, kdtrail, bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w, bvh8f; none: the fastest on
     /// the device, with --frames brute, kd and that (brute takes hours on a CPU), with --live the viewer's own
     #[arg(long, visible_alias = "accel", value_name = "LIST", value_delimiter = ',')]
     #[arg(help_heading = "What to measure")]

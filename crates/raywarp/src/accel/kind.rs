@@ -11,6 +11,8 @@ use crate::backend::Device;
 pub enum AccelKind {
     /// None: every ray tests every triangle. The paper's first version and the oracle of the others.
     Brute,
+    /// The same, with the triangles staged through memory that threads share.
+    Staged,
     /// The paper's k-d tree: median splits, axes in turn.
     Kd,
     /// The k-d tree of the surface area heuristic, traversed by a stack.
@@ -36,8 +38,9 @@ pub enum AccelKind {
 
 impl AccelKind {
     /// Every kind.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Brute,
+        Self::Staged,
         Self::Kd,
         Self::KdSah,
         Self::KdTrail,
@@ -52,7 +55,7 @@ impl AccelKind {
 
     /// Whether this is a hierarchy of boxes, in some layout. Those come in several qualities, and are kept on disk.
     pub const fn is_hierarchy(self) -> bool {
-        !matches!(self, Self::Brute | Self::Kd | Self::KdSah | Self::KdTrail)
+        !matches!(self, Self::Brute | Self::Staged | Self::Kd | Self::KdSah | Self::KdTrail)
     }
 
     /// The fastest on a device, as measured on an H200 and on x86-64: `docs/bench`. On a GPU the tree in two layouts, from
@@ -69,6 +72,7 @@ impl AccelKind {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Brute => "brute",
+            Self::Staged => "staged",
             Self::Kd => "kd",
             Self::KdSah => "kdsah",
             Self::KdTrail => "kdtrail",
@@ -92,7 +96,7 @@ impl fmt::Display for AccelKind {
 /// A name that belongs to no structure.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "'{0}' is no acceleration structure; expected brute, kd, kdsah, kdtrail, bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w or bvh8f"
+    "'{0}' is no acceleration structure; expected brute, staged, kd, kdsah, kdtrail, bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w or bvh8f"
 )]
 pub struct UnknownKind(pub String);
 

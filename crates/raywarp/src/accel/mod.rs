@@ -71,6 +71,8 @@ pub use view::Borrowed;
 pub enum Accel {
     /// No structure.
     Brute(brute::Brute),
+    /// The same, staged.
+    Staged(brute::Brute),
     /// The paper's k-d tree.
     Kd(kdtree::KdTree),
     /// The k-d tree of the surface area heuristic, traversed by a stack.
@@ -102,6 +104,7 @@ impl Accel {
         let Build { kind, quality, .. } = what.into();
         match kind {
             AccelKind::Brute => Ok(Self::Brute(brute::Brute::new(triangles)?)),
+            AccelKind::Staged => Ok(Self::Staged(brute::Brute::new(triangles)?)),
             AccelKind::Kd => Ok(Self::Kd(kdtree_median::build(triangles)?)),
             AccelKind::KdSah => Ok(Self::KdSah(kdtree_sah::build(triangles)?)),
             AccelKind::KdTrail => Ok(Self::KdTrail(kdtree_sah::build(triangles)?)),
@@ -121,9 +124,12 @@ impl Accel {
             AccelKind::Bvh8 => Self::Bvh8(bvh8::Bvh8::from_bvh2(&tree)),
             AccelKind::Bvh8w => Self::Bvh8w(bvh8w::Bvh8w::from_bvh2(&tree)),
             AccelKind::Bvh8f => Self::Bvh8f(bvh8f::Bvh8f::from_bvh2(&tree)?),
-            AccelKind::Brute | AccelKind::Kd | AccelKind::KdSah | AccelKind::KdTrail | AccelKind::Bvh2 => {
-                Self::Bvh2(tree)
-            }
+            AccelKind::Brute
+            | AccelKind::Staged
+            | AccelKind::Kd
+            | AccelKind::KdSah
+            | AccelKind::KdTrail
+            | AccelKind::Bvh2 => Self::Bvh2(tree),
         })
     }
 
@@ -131,6 +137,7 @@ impl Accel {
     pub fn kind(&self) -> AccelKind {
         match self {
             Self::Brute(_) => AccelKind::Brute,
+            Self::Staged(_) => AccelKind::Staged,
             Self::Kd(_) => AccelKind::Kd,
             Self::KdSah(_) => AccelKind::KdSah,
             Self::KdTrail(_) => AccelKind::KdTrail,
@@ -150,7 +157,7 @@ impl Accel {
     /// The first flaw found.
     pub fn validate(&self) -> Result<(), Invalid> {
         match self {
-            Self::Brute(_) => Ok(()),
+            Self::Brute(_) | Self::Staged(_) => Ok(()),
             Self::Kd(tree) | Self::KdSah(tree) | Self::KdTrail(tree) => tree.validate(),
             Self::Bvh2(tree) => tree.validate(),
             Self::Bvh2c(tree) => tree.validate(),
@@ -165,7 +172,7 @@ impl Accel {
     /// Size and quality.
     pub fn stats(&self) -> TreeStats {
         match self {
-            Self::Brute(list) => list.stats(),
+            Self::Brute(list) | Self::Staged(list) => list.stats(),
             Self::Kd(tree) | Self::KdSah(tree) | Self::KdTrail(tree) => tree.stats(),
             Self::Bvh2(tree) => tree.stats(),
             Self::Bvh2c(tree) => tree.stats(),
@@ -182,7 +189,7 @@ impl Accel {
     /// here that no ray hits.
     pub fn triangles(&self) -> Cow<'_, [Triangle]> {
         match self {
-            Self::Brute(list) => list.triangles().into(),
+            Self::Brute(list) | Self::Staged(list) => list.triangles().into(),
             Self::Kd(tree) | Self::KdSah(tree) | Self::KdTrail(tree) => tree.triangles().into(),
             Self::Bvh2(tree) => tree.triangles().into(),
             Self::Bvh2c(tree) => tree.triangles().into(),
@@ -198,6 +205,7 @@ impl Accel {
     pub fn closest(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
         match self {
             Self::Brute(list) => closest(&list.view(), ray, previous, counter),
+            Self::Staged(list) => closest(&list.staged(), ray, previous, counter),
             Self::Kd(tree) | Self::KdSah(tree) => closest(&tree.view(), ray, previous, counter),
             Self::KdTrail(tree) => closest(&tree.trail(), ray, previous, counter),
             Self::Bvh2(tree) => closest(&tree.view(), ray, previous, counter),
@@ -214,6 +222,7 @@ impl Accel {
     pub fn occlusion(&self, ray: &Ray, counter: &mut impl Counter) -> Occlusion {
         match self {
             Self::Brute(list) => occlusion(&list.view(), ray, counter),
+            Self::Staged(list) => occlusion(&list.staged(), ray, counter),
             Self::Kd(tree) | Self::KdSah(tree) => occlusion(&tree.view(), ray, counter),
             Self::KdTrail(tree) => occlusion(&tree.trail(), ray, counter),
             Self::Bvh2(tree) => occlusion(&tree.view(), ray, counter),

@@ -14,6 +14,9 @@ pub(crate) enum Resident {
     Brute {
         triangles: Buffer<Triangle>,
     },
+    Staged {
+        triangles: Buffer<Triangle>,
+    },
     Kd(ResidentKd),
     KdTrail(ResidentKd),
     Bvh2 {
@@ -61,6 +64,10 @@ macro_rules! with_structure {
         match $resident {
             $crate::accel::Resident::Brute { triangles } => {
                 let $structure = raywarp_kernels::traverse::Brute { triangles: triangles.view() };
+                $body
+            }
+            $crate::accel::Resident::Staged { triangles } => {
+                let $structure = raywarp_kernels::traverse::Staged { triangles: triangles.view() };
                 $body
             }
             $crate::accel::Resident::Kd(tree) => {
@@ -116,6 +123,7 @@ impl Resident {
     pub fn upload(device: &Device, tree: &Accel) -> Result<Self, DeviceError> {
         Ok(match tree {
             Accel::Brute(list) => Self::Brute { triangles: device.upload(&list.triangles)? },
+            Accel::Staged(list) => Self::Staged { triangles: device.upload(&list.triangles)? },
             Accel::Kd(tree) | Accel::KdSah(tree) => Self::Kd(ResidentKd::upload(device, tree)?),
             Accel::KdTrail(tree) => Self::KdTrail(ResidentKd::upload(device, tree)?),
             Accel::Bvh2(tree) => Self::Bvh2 {

@@ -17,21 +17,28 @@ pub struct Cost {
     pub rays: usize,
 }
 
+/// Nodes and triangles of each of every n-th ray, with the smallest n that leaves at most `most` rays: of its closest hit,
+/// or of whether it hits anything.
+pub fn tests(structure: &Accel, rays: &[Ray], any_hit: bool, most: usize) -> Vec<Tests> {
+    let step = rays.len().div_ceil(most.max(1)).max(1);
+    let count = |ray: &Ray| {
+        let mut tests = Tests::default();
+        match any_hit {
+            true => drop(structure.occlusion(ray, &mut tests)),
+            false => drop(structure.closest(ray, &START, &mut tests)),
+        }
+        tests
+    };
+    rays.par_iter().step_by(step).map(count).collect()
+}
+
 impl Cost {
     /// Of every n-th ray, with the smallest n that leaves at most `most` of them: the closest hit of each, or whether
     /// it hits anything.
     pub fn of(structure: &Accel, rays: &[Ray], any_hit: bool, most: usize) -> Self {
-        let step = rays.len().div_ceil(most.max(1)).max(1);
-        let count = |ray: &Ray| {
-            let mut tests = Tests::default();
-            match any_hit {
-                true => drop(structure.occlusion(ray, &mut tests)),
-                false => drop(structure.closest(ray, &START, &mut tests)),
-            }
-            [1, u64::from(tests.nodes), u64::from(tests.triangles)]
-        };
-        let add = |a: [u64; 3], b: [u64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-        let [rays, nodes, triangles] = rays.par_iter().step_by(step).map(count).reduce(|| [0; 3], add);
+        let each = tests(structure, rays, any_hit, most);
+        let sum = |of: fn(&Tests) -> u32| each.iter().map(|tests| u64::from(of(tests))).sum::<u64>();
+        let (rays, nodes, triangles) = (each.len() as u64, sum(|tests| tests.nodes), sum(|tests| tests.triangles));
         let mean = |sum: u64| sum as f64 / rays.max(1) as f64;
         Self { nodes_per_ray: mean(nodes), triangles_per_ray: mean(triangles), rays: rays as usize }
     }

@@ -31,14 +31,14 @@ use crate::scene::Scene;
 use crate::{Hit, Ray, Triangle};
 
 pub use batch::{Batch, Progress};
-pub use cost::Cost;
+pub use cost::{tests, Cost};
 pub use error::QueryError;
 pub use geometry::Geometries;
 pub use hits::{AllHits, Hits};
 pub use levels::{two_level, Levels};
 pub use ray_kind::{RayKind, UnknownRayKind};
 pub use timed::{Answers, Timed};
-pub use workload::{opaque_triangles, RaySource, Spot, Workload};
+pub use workload::{opaque_triangles, PixelOrder, RaySource, Spot, Workload};
 
 /// Triangles on a device, ready to be asked. Cloning gives another handle to the same.
 ///

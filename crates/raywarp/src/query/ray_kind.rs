@@ -13,6 +13,8 @@ pub enum RayKind {
     Shadow,
     /// Ambient occlusion, short rays from what the camera sees: any hit.
     Ao,
+    /// From what the camera sees, as if it were a mirror: closest hit.
+    Reflected,
     /// The first diffuse bounce: closest hit.
     Diffuse,
     /// From anywhere to anywhere: closest hit.
@@ -21,7 +23,7 @@ pub enum RayKind {
 
 impl RayKind {
     /// Every kind.
-    pub const ALL: [Self; 5] = [Self::Primary, Self::Shadow, Self::Ao, Self::Diffuse, Self::Random];
+    pub const ALL: [Self; 6] = [Self::Primary, Self::Shadow, Self::Ao, Self::Reflected, Self::Diffuse, Self::Random];
 
     /// The name that [`FromStr`] reads.
     pub const fn name(self) -> &'static str {
@@ -29,6 +31,7 @@ impl RayKind {
             Self::Primary => "primary",
             Self::Shadow => "shadow",
             Self::Ao => "ao",
+            Self::Reflected => "reflected",
             Self::Diffuse => "diffuse",
             Self::Random => "random",
         }
@@ -48,7 +51,7 @@ impl fmt::Display for RayKind {
 
 /// A name that belongs to no kind of rays.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("'{0}' is no kind of rays; expected primary, shadow, ao, diffuse or random")]
+#[error("'{0}' is no kind of rays; expected primary, shadow, ao, reflected, diffuse or random")]
 pub struct UnknownRayKind(pub String);
 
 impl FromStr for RayKind {

@@ -6,6 +6,7 @@
 
 use raywarp_kernels::camera::{self as kernel, pixel_centre};
 use raywarp_kernels::sample::{combine, cosine, number, sphere};
+use raywarp_kernels::shade::optics::reflect;
 
 use super::RayKind;
 use crate::accel::sift;
@@ -15,6 +16,18 @@ use crate::{Hit, Ray, Triangle, Vec3};
 
 /// Columns and rows of a tile: 32 rays in a row are one.
 const TILE: [u32; 2] = [8, 4];
+
+/// In what order the rays of a picture's pixels are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PixelOrder {
+    /// Tiles of 8 x 4 pixels row by row, and so within each.
+    #[default]
+    Tiles,
+    /// Row by row.
+    Scan,
+    /// Along Morton's curve.
+    Morton,
+}
 
 /// How far rays start above the surface, in units of the scene's diagonal.
 const OFFSET: f32 = 1e-5;
@@ -58,6 +71,7 @@ pub struct RaySource<'a> {
     camera: kernel::Camera,
     light: Vec3,
     size: [u32; 2],
+    order: PixelOrder,
 }
 
 /// Where secondary rays start.
@@ -67,6 +81,8 @@ pub struct Spot {
     pub origin: Vec3,
     /// Unit geometric normal on the side of the ray that came.
     pub normal: Vec3,
+    /// Where that ray went.
+    pub came: Vec3,
 }
 
 /// The triangles of a scene in world space that a ray can hit, numbered by their place, all of them opaque: what is
@@ -95,7 +111,13 @@ impl<'a> RaySource<'a> {
             camera: camera::kernel_camera(camera, size)?,
             light: right.mul_add(LIGHT[0], up.mul_add(LIGHT[1], camera.eye.into())),
             size,
+            order: PixelOrder::default(),
         })
+    }
+
+    /// The same, with the pixels in another order.
+    pub fn ordered(self, order: PixelOrder) -> Self {
+        Self { order, ..self }
     }
 
     /// The point that shadow rays go to.
@@ -108,13 +130,14 @@ impl<'a> RaySource<'a> {
         (self.bounds[1] - self.bounds[0]).length()
     }
 
-    /// One ray through the middle of each pixel, tile by tile: 8 columns and 4 rows, less at the edges of the picture.
+    /// One ray through the middle of each pixel, in the order of the source: by default tile by tile, of 8 columns and 4
+    /// rows, less at the edges of the picture.
     pub fn primary(&self) -> Workload {
         let pixel = |[x, y]: [u32; 2]| {
             let centre = pixel_centre(x, y);
             self.camera.ray(centre.x, centre.y)
         };
-        Workload { kind: RayKind::Primary, rays: tiled(self.size).map(pixel).collect() }
+        Workload { kind: RayKind::Primary, rays: self.order.pixels(self.size).into_iter().map(pixel).collect() }
     }
 
     /// Where rays hit, in their order; without misses, and without triangles too small to have a normal.
@@ -123,7 +146,7 @@ impl<'a> RaySource<'a> {
         let spot = |(ray, hit): (&Ray, &Hit)| {
             let normal = normal(self.triangles.get(hit.primitive as usize)?)?;
             let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
-            Some(Spot { origin: normal.mul_add(offset, ray.at(hit.t)), normal })
+            Some(Spot { origin: normal.mul_add(offset, ray.at(hit.t)), normal, came: ray.direction })
         };
         rays.iter().zip(hits).filter_map(spot).collect()
     }
@@ -140,6 +163,7 @@ impl<'a> RaySource<'a> {
             RayKind::Primary => return self.primary(),
             RayKind::Random => return self.random(least),
             RayKind::Shadow => keyed(&|spot, _| towards(spot.origin, self.light)),
+            RayKind::Reflected => keyed(&|spot, _| Ray::new(spot.origin, reflect(spot.came, spot.normal))),
             RayKind::Diffuse => keyed(&|spot, key| Ray::new(spot.origin, cosine(spot.normal, key))),
             RayKind::Ao => {
                 let t_max = AO_LENGTH * self.diagonal();
@@ -163,6 +187,30 @@ impl<'a> RaySource<'a> {
 
 /// Keeps random rays apart from those of the spots.
 const RANDOM: u32 = 0x7a6d;
+
+impl PixelOrder {
+    /// Every order.
+    pub const ALL: [Self; 3] = [Self::Tiles, Self::Scan, Self::Morton];
+
+    /// All pixels of a picture.
+    pub fn pixels(self, [width, height]: [u32; 2]) -> Vec<[u32; 2]> {
+        let rows = || (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+        match self {
+            Self::Tiles => tiled([width, height]).collect(),
+            Self::Scan => rows().collect(),
+            Self::Morton => {
+                let mut pixels: Vec<[u32; 2]> = rows().collect();
+                pixels.sort_by_key(|&[x, y]| spread(x) | spread(y) << 1);
+                pixels
+            }
+        }
+    }
+}
+
+/// The bits of a number with a zero between any two.
+fn spread(x: u32) -> u64 {
+    (0..32).fold(0, |bits, i| bits | u64::from(x >> i & 1) << (2 * i))
+}
 
 /// Pixels of a picture, tile by tile, each tile row by row.
 fn tiled([width, height]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {

@@ -7,7 +7,7 @@ use raywarp_kernels::film::Pixel;
 use raywarp_kernels::kernels::{Frame, Kernel, Surfel, Surfels, Whitted};
 use raywarp_kernels::shade::whitted::{trace, Limits};
 use raywarp_kernels::surface;
-use raywarp_kernels::traverse::{Brute, Bvh2, Clocks, Counter, KdTree, Kept, StageTimes, Structure, Tests, Uncounted};
+use raywarp_kernels::traverse::{Brute, Bvh2, Clocks, Counter, Kept, StageTimes, Structure, Tests, Uncounted};
 use raywarp_kernels::view::ViewMut;
 
 use crate::accel::{with_structure, Resident};
@@ -46,11 +46,7 @@ pub(super) fn clock(
             let structure = Brute { triangles: triangles.view() };
             run(device, pass, &whitted::<_, Clocks>(structure, pass, times))
         }
-        Resident::Kd { nodes, references, triangles, low, high } => {
-            let (nodes, references, triangles) = (nodes.view(), references.view(), triangles.view());
-            let structure = KdTree { nodes, references, triangles, low: *low, high: *high };
-            run(device, pass, &whitted::<_, Clocks>(structure, pass, times))
-        }
+        Resident::Kd(tree) => run(device, pass, &whitted::<_, Clocks>(tree.view(), pass, times)),
         Resident::Bvh2 { nodes, triangles, reach } => {
             let structure = Bvh2 { nodes: nodes.view(), triangles: triangles.view(), reach: *reach };
             run(device, pass, &whitted::<_, Clocks>(structure, pass, times))
