@@ -17,6 +17,7 @@ mod render;
 mod report;
 mod say;
 mod serve;
+mod study;
 mod values;
 mod view;
 
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Some(Command::Serve(options)) => serve::run(&options),
         Some(Command::Info(options)) => info::run(&options),
         Some(Command::Bench(options)) => bench::run(&options),
+        Some(Command::Study(options)) => study::run(&options),
         Some(Command::Doctor) => doctor::run(),
         Some(Command::Completions(options)) => completions::run(&options),
         Some(Command::Man(options)) => man::run(&options),

@@ -106,6 +106,8 @@ pub enum Command {
     Info(InfoOptions),
     /// Measure rays a second: primary, shadow, ambient occlusion, diffuse and random, beside other ray tracers
     Bench(Box<BenchOptions>),
+    /// Study how rays are traced best on this device: structures, tests, load, ways to share out the work; as a report
+    Study(Box<StudyOptions>),
     /// Check the CUDA driver and the devices, and say what to do about problems
     Doctor,
     /// Print the completions for a shell

@@ -47,9 +47,9 @@ struct Row {
 
 /// Times every structure on a scene.
 pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
-    anyhow::ensure!(options.scenes.len() < 2, "--frames takes one scene, and there are {}", options.scenes.len());
+    anyhow::ensure!(options.subjects.scenes.len() < 2, "--frames takes one scene, and there are {}", options.subjects.scenes.len());
     limit_threads(options.threads)?;
-    let loaded = read(options.scenes.first().map(PathBuf::as_path), false)?;
+    let loaded = read(options.subjects.scenes.first().map(PathBuf::as_path), false)?;
     let device = Device::open(options.device)?;
     let mut bench = Bench::new(options, options.one_size()?, &device);
     let structures = [AccelKind::Brute, AccelKind::Kd, AccelKind::fastest_on(&device)];
@@ -62,7 +62,7 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
 
 impl Bench {
     fn new(options: &BenchOptions, size: [u32; 2], device: &Device) -> Self {
-        let scene = options.scenes.first().map_or(BUILT_IN.into(), |path| path.display().to_string());
+        let scene = options.subjects.scenes.first().map_or(BUILT_IN.into(), |path| path.display().to_string());
         Self {
             machine: Machine::of(device),
             scene,

@@ -18,6 +18,8 @@ mod suite;
 mod table;
 
 pub use options::BenchOptions;
+pub use spread::{quantile, Spread};
+pub use suite::{subjects, Subject, SubjectOptions};
 
 /// Measures what the options ask for.
 pub fn run(options: &BenchOptions) -> anyhow::Result<()> {

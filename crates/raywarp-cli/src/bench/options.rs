@@ -6,8 +6,8 @@ use clap::Args;
 use raywarp::accel::{AccelKind, Quality};
 use raywarp::backend::DeviceChoice;
 use raywarp::query::RayKind;
-use raywarp::scene::Viewpoint;
 
+use super::suite::SubjectOptions;
 use crate::values;
 
 const EXAMPLES: &str = "\
@@ -29,8 +29,9 @@ const ULTRA_HD: [u32; 2] = [3840, 2160];
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct BenchOptions {
-    /// Scene files; none: the built-in scene, which is the paper's
-    pub scenes: Vec<PathBuf>,
+    /// Which scenes.
+    #[command(flatten)]
+    pub subjects: SubjectOptions,
 
     /// Time whole pictures, without and with shadows and bounces, instead of rays
     #[arg(long, conflicts_with_all = [
@@ -88,35 +89,6 @@ pub struct BenchOptions {
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000_000), help_heading = "How often")]
     pub min_rays: u32,
 
-    /// Name of the scene in the results; none: its file's
-    #[arg(long, value_name = "NAME", help_heading = "Scene")]
-    pub name: Option<String>,
-    /// Put the camera there
-    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
-    #[arg(help_heading = "Scene")]
-    pub eye: Option<[f32; 3]>,
-    /// Look at this point
-    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
-    #[arg(help_heading = "Scene")]
-    pub target: Option<[f32; 3]>,
-    /// What is up in the picture: a vector or an axis, such as +Z
-    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::direction)]
-    #[arg(help_heading = "Scene")]
-    pub up: Option<[f32; 3]>,
-    /// Vertical field of view in degrees
-    #[arg(long, value_name = "DEGREES", value_parser = values::field_of_view, help_heading = "Scene")]
-    pub fov: Option<f64>,
-    /// Scenes with names and cameras, of a TOML file; those without their model are left out
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "name", "eye", "target", "up", "fov"])]
-    #[arg(help_heading = "Scene")]
-    pub suite: Option<PathBuf>,
-    /// Where the models of the suite are; none: beside the suite
-    #[arg(long, value_name = "DIR", requires = "suite", help_heading = "Scene")]
-    pub models: Option<PathBuf>,
-    /// Scenes of the suite, with commas; none: all
-    #[arg(long, value_name = "LIST", value_delimiter = ',', requires = "suite", help_heading = "Scene")]
-    pub only: Vec<String>,
-
     /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
     #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
     pub device: DeviceChoice,
@@ -145,11 +117,4 @@ impl BenchOptions {
         } else {
             self.size.clone()
         }
-    }
-
-    /// What is to be different about the camera.
-    pub fn view(&self) -> Viewpoint {
-        let (eye, target, up, fov) = (self.eye, self.target, self.up, self.fov);
-        Viewpoint { eye, target, up, fov, ..Viewpoint::default() }
-    }
-}
+    }}

@@ -19,7 +19,7 @@ const REPEATS: u32 = 20;
 
 /// Measures every scene that the options name.
 pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
-    let subjects = subjects(options)?;
+    let subjects = subjects(&options.subjects)?;
     let device = Device::open(options.device)?;
     // Peers use one thread of the CPU.
     let alone = !options.peers.is_empty() && !device.is_cuda();

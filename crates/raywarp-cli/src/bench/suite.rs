@@ -3,11 +3,54 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use clap::Args;
 use raywarp::scene::Viewpoint;
 use serde::Deserialize;
 
-use super::options::BenchOptions;
 use crate::values;
+
+/// Which scenes to measure.
+#[derive(Debug, Args)]
+pub struct SubjectOptions {
+    /// Scene files; none: the built-in scene, which is the paper's
+    pub scenes: Vec<PathBuf>,
+    /// Name of the scene in the results; none: its file's
+    #[arg(long, value_name = "NAME", help_heading = "Scene")]
+    pub name: Option<String>,
+    /// Put the camera there
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
+    #[arg(help_heading = "Scene")]
+    pub eye: Option<[f32; 3]>,
+    /// Look at this point
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
+    #[arg(help_heading = "Scene")]
+    pub target: Option<[f32; 3]>,
+    /// What is up in the picture: a vector or an axis, such as +Z
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::direction)]
+    #[arg(help_heading = "Scene")]
+    pub up: Option<[f32; 3]>,
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEGREES", value_parser = values::field_of_view, help_heading = "Scene")]
+    pub fov: Option<f64>,
+    /// Scenes with names and cameras, of a TOML file; those without their model are left out
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "name", "eye", "target", "up", "fov"])]
+    #[arg(help_heading = "Scene")]
+    pub suite: Option<PathBuf>,
+    /// Where the models of the suite are; none: beside the suite
+    #[arg(long, value_name = "DIR", requires = "suite", help_heading = "Scene")]
+    pub models: Option<PathBuf>,
+    /// Scenes of the suite, with commas; none: all
+    #[arg(long, value_name = "LIST", value_delimiter = ',', requires = "suite", help_heading = "Scene")]
+    pub only: Vec<String>,
+}
+
+impl SubjectOptions {
+    /// What is to be different about the camera.
+    pub fn view(&self) -> Viewpoint {
+        let (eye, target, up, fov) = (self.eye, self.target, self.up, self.fov);
+        Viewpoint { eye, target, up, fov, ..Viewpoint::default() }
+    }
+}
 
 /// Name of the scene without a file.
 pub const BUILT_IN: &str = "built-in";
@@ -44,8 +87,8 @@ struct Suite {
 #[serde(deny_unknown_fields)]
 struct Entry {
     name: String,
-    /// Relative to the folder of models.
-    file: PathBuf,
+    /// Relative to the folder of models; none: the built-in scene.
+    file: Option<PathBuf>,
     eye: Option<[f32; 3]>,
     target: Option<[f32; 3]>,
     up: Option<[f32; 3]>,
@@ -56,14 +99,14 @@ struct Entry {
 ///
 /// # Errors
 /// A suite that cannot be read, a scene that it does not have, one camera for several scenes.
-pub fn subjects(options: &BenchOptions) -> anyhow::Result<Vec<Subject>> {
+pub fn subjects(options: &SubjectOptions) -> anyhow::Result<Vec<Subject>> {
     match &options.suite {
         Some(suite) => of_suite(suite, options),
         None => of_files(options),
     }
 }
 
-fn of_files(options: &BenchOptions) -> anyhow::Result<Vec<Subject>> {
+fn of_files(options: &SubjectOptions) -> anyhow::Result<Vec<Subject>> {
     let view = options.view();
     let particular = options.name.is_some() || view != Viewpoint::default();
     anyhow::ensure!(
@@ -83,7 +126,7 @@ fn of_files(options: &BenchOptions) -> anyhow::Result<Vec<Subject>> {
     })
 }
 
-fn of_suite(path: &Path, options: &BenchOptions) -> anyhow::Result<Vec<Subject>> {
+fn of_suite(path: &Path, options: &SubjectOptions) -> anyhow::Result<Vec<Subject>> {
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read the suite {}", path.display()))?;
     let suite: Suite = toml::from_str(&text).with_context(|| format!("{} is no suite of scenes", path.display()))?;
     let beside = path.parent().unwrap_or(Path::new(""));
@@ -105,6 +148,6 @@ impl Entry {
         }
         let (eye, target, up, fov) = (self.eye, self.target, self.up, self.fov);
         let view = Viewpoint { eye, target, up, fov, ..Viewpoint::default() };
-        Ok(Subject { name: self.name, file: Some(models.join(self.file)), view, optional: true })
+        Ok(Subject { name: self.name, file: self.file.map(|file| models.join(file)), view, optional: true })
     }
 }

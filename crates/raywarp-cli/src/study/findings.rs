@@ -108,7 +108,7 @@ pub struct Rate {
 }
 
 /// Time of a frame's kernels.
-#[derive(Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct FrameTime {
     /// "primary": no shadows, no bounces; "all": shadows and five bounces.
     pub rays: String,

@@ -35,7 +35,7 @@ impl Accel {
     /// of triangles has one box, an empty scene none.
     pub fn boxes(&self, level: u32) -> Vec<TreeBox> {
         let nodes = match self {
-            Self::Brute(list) => Nodes::List(Cow::from(list.triangles())),
+            Self::Brute(list) | Self::Staged(list) => Nodes::List(Cow::from(list.triangles())),
             Self::Kd(tree) | Self::KdSah(tree) | Self::KdTrail(tree) => {
                 Nodes::Kd(tree.nodes().into(), tree.bounds().map(|corner| corner.to_array()))
             }
@@ -55,7 +55,7 @@ impl Resident {
     /// See [`Accel::boxes`]. Reads all nodes back from the device, as they are now.
     pub fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
         let nodes = match self {
-            Self::Brute { triangles } => Nodes::List(triangles.items()?),
+            Self::Brute { triangles } | Self::Staged { triangles } => Nodes::List(triangles.items()?),
             Self::Kd(tree) | Self::KdTrail(tree) => {
                 Nodes::Kd(tree.nodes.items()?, tree.bounds.map(|corner| corner.to_array()))
             }

@@ -116,7 +116,7 @@ impl Accel {
     ///
     /// # Errors
     /// More triangles than an index of the layout can tell apart.
-    pub(crate) fn laid_out(kind: AccelKind, tree: bvh2::Bvh2) -> Result<Self, BuildError> {
+    pub fn laid_out(kind: AccelKind, tree: bvh2::Bvh2) -> Result<Self, BuildError> {
         Ok(match kind {
             AccelKind::Bvh2c => Self::Bvh2c(compact::Compact::new(tree)),
             AccelKind::Bvh => Self::Bvh(octants::Octants::new(tree)),

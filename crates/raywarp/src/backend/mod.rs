@@ -65,11 +65,13 @@ impl Device {
         }
     }
 
-    /// The same device, whose kernels are launched in blocks of so many columns and rows; on the CPU, in tiles.
+    /// The same device, whose kernels are launched in blocks of so many columns and rows, on the CPU in tiles; without any,
+    /// of the usual shape.
     ///
     /// # Errors
     /// [`DeviceError::Block`] for none or more than [`MAX_BLOCK`] threads, or on CUDA for rows that do not fill warps.
-    pub fn with_block(&self, block: [u32; 2]) -> Result<Self, DeviceError> {
+    pub fn with_block(&self, block: Option<[u32; 2]>) -> Result<Self, DeviceError> {
+        let Some(block) = block else { return Ok(Self { block: None, ..self.clone() }) };
         let threads = u64::from(block[0]) * u64::from(block[1]);
         if threads == 0 || threads > u64::from(MAX_BLOCK) || (self.is_cuda() && threads % 32 != 0) {
             return Err(DeviceError::Block { block, most: MAX_BLOCK });

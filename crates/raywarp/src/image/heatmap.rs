@@ -46,6 +46,11 @@ pub fn draw(width: u32, height: u32, tests: &[Tests], top: Option<u64>) -> (Rgb8
     (picture, scale)
 }
 
+/// As [`draw`], of any cost, and without the bar.
+pub fn colours(width: u32, height: u32, costs: &[u32], top: u32) -> Rgb8 {
+    Rgb8 { width, height, pixels: costs.iter().map(|&cost| heat(cost as f32 / top.max(1) as f32)).collect() }
+}
+
 fn scale(costs: &[u64], top: Option<u64>) -> Scale {
     let maximum = costs.iter().copied().max().unwrap_or(0);
     let mut sorted = costs.to_vec();

@@ -32,6 +32,15 @@ impl Tracer {
         std::mem::replace(&mut self.structure, structure)
     }
 
+    /// Launches in blocks of so many columns and rows from now on, or of the usual shape.
+    ///
+    /// # Errors
+    /// As for [`Device::with_block`](crate::backend::Device::with_block).
+    pub fn set_block(&mut self, block: Option<[u32; 2]>) -> Result<(), RenderError> {
+        self.device = self.device.with_block(block)?;
+        Ok(())
+    }
+
     /// Which structure is traced.
     pub fn structure(&self) -> &Structure {
         &self.structure

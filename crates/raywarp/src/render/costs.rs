@@ -20,7 +20,7 @@ pub struct PixelCosts {
     pub ticks: Vec<u32>,
 }
 
-/// The light of a picture on its device.
+/// The lights of a picture on its device.
 type Lights = Buffer<raywarp_kernels::light::Light>;
 
 impl Tracer {

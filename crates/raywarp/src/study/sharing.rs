@@ -86,7 +86,7 @@ impl Batch {
     /// # Errors
     /// As for [`Device::with_block`].
     pub fn set_block(&mut self, threads: u32) -> Result<(), DeviceError> {
-        self.device = self.device.with_block([threads, 1])?;
+        self.device = self.device.with_block(Some([threads, 1]))?;
         Ok(())
     }
 

@@ -36,7 +36,7 @@ const NAP: Duration = Duration::from_millis(5);
 /// Measures the viewer with every scene that the options name.
 pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
     let _ends = Interrupt::install();
-    let subjects = subjects(options)?;
+    let subjects = subjects(&options.subjects)?;
     limit_threads(options.threads)?;
     let device = Device::open(options.device)?;
     let mut live = Live::new(Machine::of(&device), options.seconds, options.warmup);

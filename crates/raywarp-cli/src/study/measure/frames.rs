@@ -1,0 +1,203 @@
+//! Whole frames: their time by structure, where it goes, how it is spread over threads, and blocks of several shapes.
+
+use raywarp::accel::{AccelKind, Build, Quality};
+use raywarp::image::{heatmap, png};
+use raywarp::render::{world_triangles, PixelCosts, RenderOptions, Structure, Tracer};
+use raywarp::Triangle;
+
+use super::scene::{Stage, PLAIN};
+use super::structures::name;
+use super::{milliseconds, Setting};
+use crate::study::findings::{BlockShape, Distribution, FrameTime, Load, StageShares};
+
+/// Structures that render frames. Those that test every triangle only do where that takes no longer than a few seconds.
+const KINDS: [AccelKind; 7] = [
+    AccelKind::Brute,
+    AccelKind::Staged,
+    AccelKind::Kd,
+    AccelKind::KdSah,
+    AccelKind::KdTrail,
+    AccelKind::Bvh2,
+    AccelKind::Bvh,
+];
+
+/// Those whose threads' load is shown.
+const LOADS: [AccelKind; 3] = [AccelKind::Kd, AccelKind::KdSah, AccelKind::Bvh2];
+
+/// Columns and rows.
+const SHAPES: [[u32; 2]; 6] = [[8, 4], [8, 8], [8, 16], [16, 16], [32, 1], [32, 4]];
+
+/// Rays that the paper's frame has for each camera ray, about: for guessing how long it takes.
+const RAYS_A_PIXEL: u64 = 5;
+
+/// A frame's time.
+pub struct Timed {
+    pub structure: &'static str,
+    pub frame: FrameTime,
+}
+
+/// All that is learnt from frames.
+#[derive(Default)]
+pub struct Found {
+    pub times: Vec<Timed>,
+    pub shares: Vec<StageShares>,
+    pub loads: Vec<Load>,
+    pub shapes: Vec<BlockShape>,
+}
+
+/// What a frame has: its name, and its options.
+fn sorts(setting: &Setting) -> [(&'static str, RenderOptions); 2] {
+    let all = RenderOptions { size: setting.size, ..RenderOptions::default() };
+    [("primary", RenderOptions { max_depth: 0, shadows: false, ..all }), ("all", all)]
+}
+
+/// Renders the scene by every structure that can.
+pub fn frames(stage: &Stage) -> anyhow::Result<Found> {
+    let setting = stage.setting;
+    let triangles = world_triangles(stage.scene, &stage.scene.instances, &stage.scene.materials)?;
+    let mut tracer = Tracer::new(stage.scene, PLAIN, setting.device)?;
+    let mut found = Found::default();
+    let sorts = sorts(setting);
+    let mut traced = Vec::new();
+    for (_, options) in &sorts {
+        traced.push(tracer.costs(&stage.camera, options)?.tests.iter().map(|tests| u64::from(tests.rays)).sum());
+    }
+    for kind in KINDS {
+        let build = Build { kind, quality: Quality::Medium, cached: false };
+        if exhaustive(kind) && too_long(setting, &triangles) {
+            continue;
+        }
+        stage.say(&format!("frames by {}", name(build)));
+        tracer.replace(Structure::build(setting.device, build, triangles.clone())?);
+        for ((rays, options), &traced) in sorts.iter().zip(&traced) {
+            let (rays, structure) = (*rays, name(build));
+            let ms = milliseconds(times(stage, &tracer, options, exhaustive(kind))?);
+            found.times.push(Timed { structure, frame: FrameTime { rays: rays.to_owned(), ms, traced } });
+            found.shares.extend(shares(stage, &tracer, options, structure, rays)?);
+            if LOADS.contains(&kind) {
+                found.loads.push(load(stage, &tracer, options, structure, rays)?);
+            }
+            if build == PLAIN {
+                found.shapes.extend(shapes(stage, &mut tracer, options, rays)?);
+            }
+        }
+    }
+    Ok(found)
+}
+
+fn exhaustive(kind: AccelKind) -> bool {
+    matches!(kind, AccelKind::Brute | AccelKind::Staged)
+}
+
+fn too_long(setting: &Setting, triangles: &[Triangle]) -> bool {
+    let [width, height] = setting.size.map(u64::from);
+    width * height * triangles.len() as u64 * RAYS_A_PIXEL > 10 * setting.most_tests
+}
+
+fn times(stage: &Stage, tracer: &Tracer, options: &RenderOptions, once: bool) -> anyhow::Result<Vec<f64>> {
+    let [warmup, repeats] = stage.setting.times;
+    let [warmup, repeats] = if once { [1, repeats.min(3)] } else { [warmup, repeats] };
+    let mut seconds = Vec::new();
+    for index in 0..warmup + repeats {
+        let rendering = tracer.render(&stage.camera, options, &mut |_| ())?;
+        if index >= warmup {
+            seconds.push(rendering.kernel_seconds);
+        }
+    }
+    Ok(seconds)
+}
+
+/// Shares of the three stages, where the structure has kernels with clocks.
+fn shares(
+    stage: &Stage,
+    tracer: &Tracer,
+    options: &RenderOptions,
+    structure: &str,
+    rays: &str,
+) -> anyhow::Result<Option<StageShares>> {
+    let Some(times) = tracer.stage_times(&stage.camera, options)? else { return Ok(None) };
+    let sum = times.iter().sum::<u64>().max(1) as f64;
+    let [generation, intersection, shading] = times.map(|time| time as f64 / sum);
+    let (structure, rays) = (structure.to_owned(), rays.to_owned());
+    Ok(Some(StageShares { structure, rays, generation, intersection, shading }))
+}
+
+fn load(
+    stage: &Stage,
+    tracer: &Tracer,
+    options: &RenderOptions,
+    structure: &str,
+    rays: &str,
+) -> anyhow::Result<Load> {
+    // The first time may be in cold caches.
+    tracer.costs(&stage.camera, options)?;
+    let PixelCosts { ticks, .. } = tracer.costs(&stage.camera, options)?;
+    let time = Distribution::of(ticks.iter().map(|&ticks| f64::from(ticks)).collect());
+    let [width, height] = options.size;
+    // The slowest threads are few: a scale up to them would leave the picture black.
+    let top = (2.0 * time.p95).max(1.0).min(time.most.max(1.0)) as u32;
+    Ok(Load {
+        structure: structure.to_owned(),
+        rays: rays.to_owned(),
+        unit: if stage.setting.device.is_cuda() { "cycles" } else { "ns" },
+        warp_balance: balance(&ticks, options.size, [8, 4]),
+        block_balance: balance(&ticks, options.size, [8, 16]),
+        picture: png::encode(&heatmap::colours(width, height, &ticks, top))?,
+        brightest: f64::from(top),
+        time,
+    })
+}
+
+/// Mean over tiles of the mean time of their pixels over that of the slowest one.
+fn balance(ticks: &[u32], [width, height]: [u32; 2], [columns, rows]: [u32; 2]) -> f64 {
+    let (mut sum, mut tiles) = (0.0, 0);
+    for y0 in (0..height).step_by(rows as usize) {
+        for x0 in (0..width).step_by(columns as usize) {
+            let (x1, y1) = ((x0 + columns).min(width), (y0 + rows).min(height));
+            let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y as usize * width as usize + x as usize));
+            let times: Vec<f64> = pixels.filter_map(|pixel| ticks.get(pixel)).map(|&ticks| f64::from(ticks)).collect();
+            let most = times.iter().copied().fold(0.0, f64::max);
+            if most > 0.0 {
+                sum += times.iter().sum::<f64>() / times.len() as f64 / most;
+                tiles += 1;
+            }
+        }
+    }
+    if tiles == 0 {
+        1.0
+    } else {
+        sum / f64::from(tiles)
+    }
+}
+
+/// The same frame by blocks of several shapes; on the CPU, by tiles.
+fn shapes(
+    stage: &Stage,
+    tracer: &mut Tracer,
+    options: &RenderOptions,
+    rays: &'static str,
+) -> anyhow::Result<Vec<BlockShape>> {
+    let mut rows = Vec::new();
+    for shape in SHAPES {
+        tracer.set_block(Some(shape))?;
+        let ms = milliseconds(times(stage, tracer, options, false)?);
+        rows.push(BlockShape { shape, rays: rays.to_owned(), ms });
+    }
+    tracer.set_block(None)?;
+    Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn balance_is_the_mean_over_the_slowest() {
+        // Two tiles of 8 x 4: one even, one with a single slow pixel.
+        let mut ticks = vec![10; 16 * 4];
+        ticks[8] = 320;
+        let expected = 0.5 * (1.0 + (31.0 * 10.0 + 320.0) / 32.0 / 320.0);
+        assert!((balance(&ticks, [16, 4], [8, 4]) - expected).abs() < 1e-12);
+        assert_eq!(balance(&[0; 32], [8, 4], [8, 4]), 1.0);
+    }
+}

@@ -1,0 +1,100 @@
+//! Ways to share out a batch of rays among threads.
+
+use raywarp::accel::Accel;
+use raywarp::query::{PixelOrder, Workload};
+use raywarp::study::lanes::LoopForm;
+use raywarp::study::{Batch, Queues, Way};
+
+use super::rate;
+use super::scene::Stage;
+use crate::study::findings::Sharing;
+
+/// What everything is compared with.
+const PLAIN: Way = Way::Direct(LoopForm::WhileWhile);
+
+/// Every way, for every kind of rays: in each group the plain one first.
+pub fn sharing(stage: &Stage) -> anyhow::Result<Vec<Sharing>> {
+    stage.say("sharing out the work");
+    let mut rows = Vec::new();
+    let orders = [PixelOrder::Tiles, PixelOrder::Scan, PixelOrder::Morton];
+    let ordered: Vec<_> = orders.iter().map(|&order| stage.workloads(order)).collect::<Result<_, _>>()?;
+    for (index, workload) in stage.workloads.iter().enumerate() {
+        if workload.rays.is_empty() {
+            continue;
+        }
+        let mut group = |name: &str, ways: &[Variant]| -> anyhow::Result<()> {
+            let mut plain = None;
+            for &(way, variant) in ways {
+                let rays = variant.order.and_then(|order| ordered.get(order)?.get(index)).unwrap_or(workload);
+                let speed = time(stage, rays, variant)?;
+                let (plain, median) = (*plain.get_or_insert(speed.median), speed.median);
+                rows.push(Sharing {
+                    group: name.to_owned(),
+                    way: way.to_owned(),
+                    rays: workload.kind.to_string(),
+                    mrays_per_s: speed,
+                    gain: median / plain,
+                });
+            }
+            Ok(())
+        };
+        group("order of the rays", &ORDERS)?;
+        group("threads a block", &BLOCKS)?;
+        group("loop", &LOOPS)?;
+        group("queue", &QUEUES)?;
+    }
+    Ok(rows)
+}
+
+/// What differs from the plain way.
+#[derive(Clone, Copy)]
+struct Choice {
+    way: Way,
+    order: Option<usize>,
+    block: Option<u32>,
+}
+
+type Variant = (&'static str, Choice);
+
+const fn by(way: Way) -> Choice {
+    Choice { way, order: None, block: None }
+}
+
+const fn ordered(order: usize) -> Choice {
+    Choice { order: Some(order), ..by(PLAIN) }
+}
+
+const fn in_blocks(threads: u32) -> Choice {
+    Choice { block: Some(threads), ..by(PLAIN) }
+}
+
+const ORDERS: [Variant; 3] =
+    [("tiles of 8x4 pixels", ordered(0)), ("scan line", ordered(1)), ("Morton", ordered(2))];
+
+const BLOCKS: [Variant; 4] =
+    [("64", in_blocks(64)), ("32", in_blocks(32)), ("128", in_blocks(128)), ("256", in_blocks(256))];
+
+const LOOPS: [Variant; 4] = [
+    ("while-while", by(PLAIN)),
+    ("if-if", by(Way::Direct(LoopForm::IfIf))),
+    ("speculative", by(Way::Direct(LoopForm::Speculative))),
+    ("postponed", by(Way::Direct(LoopForm::Postponed))),
+];
+
+const QUEUES: [Variant; 6] = [
+    ("one thread a ray", by(PLAIN)),
+    ("persistent, global queue", by(Way::Queued(Queues::Global))),
+    ("block queues, stealing", by(Way::Queued(Queues::Block))),
+    ("warp queues, stealing", by(Way::Queued(Queues::Warp))),
+    ("refill", by(Way::Refill)),
+    ("refill, speculative", by(Way::RefillSpeculative)),
+];
+
+fn time(stage: &Stage, workload: &Workload, choice: Choice) -> anyhow::Result<crate::bench::Spread> {
+    let Accel::Bvh2(tree) = &stage.tree else { anyhow::bail!("the tree is no bvh2") };
+    let mut batch = Batch::new(stage.setting.device, tree, &workload.rays, workload.kind.any_hit())?;
+    if let Some(threads) = choice.block {
+        batch.set_block(threads)?;
+    }
+    Ok(rate(workload.rays.len(), batch.time(choice.way, stage.setting.times)?))
+}

@@ -1,0 +1,127 @@
+//! Every structure: how large, how good, how fast.
+
+use raywarp::accel::{Accel, AccelKind, Build, Quality};
+use raywarp::query::{RayCaster, Workload};
+use raywarp::Ray;
+
+use super::frames::Timed;
+use super::scene::{Stage, PLAIN};
+use super::rate;
+use crate::study::findings::{Rate, Structure};
+
+/// Arithmetic of a triangle's test on the way that most take: nine differences, six products of three with their sums,
+/// three determinants of two products. Comparisons are not counted, nor what only hits need.
+const TEST_FLOPS: f64 = 9.0 + 6.0 * 5.0 + 3.0 * 3.0;
+
+/// A structure that was built.
+pub struct Entrant {
+    pub name: &'static str,
+    pub build: Build,
+    pub accel: Accel,
+    pub build_seconds: f64,
+}
+
+/// What is compared, and what it is called.
+const STRUCTURES: [(AccelKind, Quality, &str); 13] = [
+    (AccelKind::Brute, Quality::Medium, "brute force"),
+    (AccelKind::Staged, Quality::Medium, "brute force, staged"),
+    (AccelKind::Kd, Quality::Medium, "k-d tree of the paper"),
+    (AccelKind::KdSah, Quality::Medium, "k-d tree, SAH"),
+    (AccelKind::KdTrail, Quality::Medium, "k-d tree, SAH, short stack"),
+    (AccelKind::Bvh2, Quality::Fast, "BVH2, fast"),
+    (AccelKind::Bvh2, Quality::Medium, "BVH2, medium"),
+    (AccelKind::Bvh2, Quality::High, "BVH2, high"),
+    (AccelKind::Bvh, Quality::Medium, "BVH2 in two layouts"),
+    (AccelKind::Bvh4, Quality::Medium, "BVH4, 8 bits"),
+    (AccelKind::Bvh8, Quality::Medium, "BVH8, compressed"),
+    (AccelKind::Bvh8w, Quality::Medium, "BVH8, 8 bits"),
+    (AccelKind::Bvh8f, Quality::Medium, "BVH8, full"),
+];
+
+/// What the report calls a structure.
+pub fn name(build: Build) -> &'static str {
+    let same = |(kind, quality, _): &&(AccelKind, Quality, _)| (*kind, *quality) == (build.kind, build.quality);
+    STRUCTURES.iter().find(same).map_or("", |(_, _, name)| name)
+}
+
+/// Builds all of them; what can be had from another is made of it.
+pub fn entrants(stage: &Stage) -> anyhow::Result<Vec<Entrant>> {
+    let mut entrants: Vec<Entrant> = Vec::new();
+    for (kind, quality, name) in STRUCTURES {
+        stage.say(&format!("building {name}"));
+        let build = Build { kind, quality, cached: false };
+        let accel = match (&stage.tree, &entrants.last()) {
+            (Accel::Bvh2(tree), _) if kind.is_hierarchy() && quality == PLAIN.quality => {
+                Accel::laid_out(kind, tree.clone())?
+            }
+            (_, Some(Entrant { accel: Accel::KdSah(tree), .. })) if kind == AccelKind::KdTrail => {
+                Accel::KdTrail(tree.clone())
+            }
+            _ => Accel::build(build, stage.triangles.clone())?,
+        };
+        let build_seconds = accel.stats().build_seconds;
+        entrants.push(Entrant { name, build, accel, build_seconds });
+    }
+    Ok(entrants)
+}
+
+/// Rays a second by each structure.
+pub fn rates(stage: &Stage, entrants: &[Entrant]) -> anyhow::Result<Vec<Vec<Rate>>> {
+    let of = |entrant: &Entrant| {
+        stage.say(&format!("rays by {}", entrant.name));
+        let caster = RayCaster::of(&entrant.accel, stage.setting.device)?;
+        let of_kind = |workload: &Workload| rate_of(stage, entrant, &caster, workload);
+        stage.workloads.iter().filter(|workload| !workload.rays.is_empty()).map(of_kind).collect()
+    };
+    entrants.iter().map(of).collect()
+}
+
+fn rate_of(stage: &Stage, entrant: &Entrant, caster: &RayCaster, workload: &Workload) -> anyhow::Result<Rate> {
+    let exhaustive = !entrant.build.kind.is_hierarchy() && entrant.accel.stats().leaves == 1;
+    let most = match exhaustive {
+        true => (stage.setting.most_tests / stage.triangles.len() as u64) as usize,
+        false => usize::MAX,
+    };
+    let rays = thinned(&workload.rays, most);
+    let [warmup, repeats] = stage.setting.times;
+    let [warmup, repeats] = if exhaustive { [1, repeats.min(3)] } else { [warmup, repeats] };
+    let seconds = caster.timed(&rays, workload.kind.any_hit())?.time(warmup, repeats)?;
+    Ok(Rate { rays: workload.kind.to_string(), count: rays.len(), mrays_per_s: rate(rays.len(), seconds) })
+}
+
+/// Every n-th run of 32 rays, with the smallest n that leaves at most `most`, or a single run.
+fn thinned(rays: &[Ray], most: usize) -> Vec<Ray> {
+    let step = rays.len().div_ceil(most.max(32)).max(1);
+    rays.chunks(32).step_by(step).flatten().copied().collect()
+}
+
+/// What the report says of each.
+pub fn rows(stage: &Stage, entrants: &mut Vec<Entrant>, rates: Vec<Vec<Rate>>, frames: &[Timed]) -> Vec<Structure> {
+    let peak = super::about(stage.setting.device, false).peak_flops;
+    let row = |(entrant, rates): (Entrant, Vec<Rate>)| {
+        let (stats, build) = (entrant.accel.stats(), entrant.build);
+        let frames = frames.iter().filter(|timed| timed.structure == entrant.name).map(|timed| timed.frame.clone());
+        // Every camera ray tests every triangle.
+        let tests = |rate: &Rate| rate.mrays_per_s.median * 1e6 * stage.triangles.len() as f64;
+        let brute = matches!(build.kind, AccelKind::Brute | AccelKind::Staged);
+        let share = |peak: f64| rates.first().map(|rate| tests(rate) * TEST_FLOPS / peak);
+        Structure {
+            name: entrant.name.to_owned(),
+            accel: build.kind.to_string(),
+            tree: build.kind.is_hierarchy().then(|| build.quality.to_string()),
+            nodes: stats.nodes,
+            leaves: stats.leaves,
+            references: stats.references,
+            duplicates: stats.duplicates,
+            depth: stats.depth,
+            largest_leaf: stats.largest_leaf,
+            sah_cost: stats.sah_cost,
+            bytes: stats.bytes,
+            build_seconds: entrant.build_seconds,
+            share_of_peak: peak.filter(|_| brute).and_then(share),
+            frames: frames.collect(),
+            rates,
+        }
+    };
+    std::mem::take(entrants).into_iter().zip(rates).map(row).collect()
+}

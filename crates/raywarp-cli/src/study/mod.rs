@@ -1,0 +1,44 @@
+//! `raywarp study`: the paper's questions, asked again on the device at hand.
+//!
+//! [`measure`] finds the answers, scene by scene; [`findings`] is what they are; [`report`] shows them.
+
+pub mod findings;
+mod measure;
+mod options;
+mod report;
+
+use raywarp::backend::Device;
+
+use crate::bench::subjects;
+use crate::render::{limit_threads, read};
+use crate::say;
+use findings::Study;
+use measure::Setting;
+pub use options::StudyOptions;
+
+/// Measures, and writes the report.
+pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
+    let subjects = subjects(&options.subjects)?;
+    limit_threads(options.threads)?;
+    let device = Device::open(options.device)?;
+    say::fallback(&device);
+    report::check(&options.output)?;
+    let setting = Setting::new(options, &device);
+    let about = measure::about(&device, options.quick);
+    let mut study = Study { about, scenes: Vec::new(), growth: Vec::new(), notes: Vec::new() };
+    for subject in &subjects {
+        if let Some(reason) = subject.absent() {
+            study.notes.push(format!("{}: {reason}", subject.name));
+            say::line(&format!("note: {}: {reason}", subject.name));
+            continue;
+        }
+        let loaded = read(subject.file.as_deref(), false)?;
+        study.scenes.push(measure::scene(&setting, subject, &loaded.scene, &mut study.notes)?);
+    }
+    anyhow::ensure!(!study.scenes.is_empty(), "no scene was studied; the notes above say why");
+    study.growth = measure::growth(&setting)?;
+    for path in report::write(&study, &options.output)? {
+        say::line(&format!("wrote {}", path.display()));
+    }
+    Ok(())
+}
