@@ -1,6 +1,7 @@
 //! The program `raywarp`.
 
 mod bench;
+mod columns;
 mod completions;
 mod doctor;
 mod failure;
@@ -17,6 +18,7 @@ mod render;
 mod report;
 mod say;
 mod serve;
+mod study;
 mod values;
 mod view;
 

@@ -18,6 +18,7 @@ mod suite;
 mod table;
 
 pub use options::BenchOptions;
+pub use spread::Spread;
 
 /// Measures what the options ask for.
 pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
