@@ -60,7 +60,7 @@ impl Axis {
 
     /// Logarithmic, over these and a little more at both ends. What is not above zero has no place there.
     pub fn log(values: impl IntoIterator<Item = f64>) -> Self {
-        let logs: Vec<f64> = usable(values).filter(|&value| value > 0.0).map(f64::log10).collect();
+        let logs: Vec<f64> = usable(values).filter(|&value| value > 1e-100).map(f64::log10).collect();
         let to = logs.iter().copied().reduce(f64::max).unwrap_or(1.0) + 0.05;
         let from = logs.iter().copied().reduce(f64::min).unwrap_or(0.0) - 0.15;
         let from = from.max(to - DECADES);
