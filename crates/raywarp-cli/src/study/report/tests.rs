@@ -275,5 +275,7 @@ proptest! {
 #[ignore = "writes a report to look at"]
 fn a_sample_to_look_at() {
     let folder = std::env::var_os("RAYWARP_SAMPLE_REPORT").expect("RAYWARP_SAMPLE_REPORT names a folder");
-    write(&sample::study(&["test-a.obj", "test <b> & c"]), Path::new(&folder)).unwrap();
+    let mut study = sample::study(&["test <b> & c"]);
+    study.scenes.push(sample::empty_scene("test-empty.obj"));
+    write(&study, Path::new(&folder)).unwrap();
 }

@@ -47,7 +47,9 @@ impl Lines {
             let axes = (Axis::log(all().map(|point| point.0)), Axis::log(all().map(|point| point.1)));
             let edges = (LEFT, top, MARGIN + 20, MARGIN);
             let mut chart = lower_axis(area, edges, axes, &self.axes.0, Side::Marked(self.axes.1))?;
-            for line in &self.lines {
+            // Guides lie under what is measured.
+            let (guides, measured): (Vec<&Line>, Vec<&Line>) = self.lines.iter().partition(|line| line.guide);
+            for line in guides.into_iter().chain(measured) {
                 let points: Vec<(f64, f64)> = line.points.iter().copied().filter(has_place).collect();
                 stroke(&mut chart, points.clone(), line.series.colour, if line.guide { 1 } else { 2 })?;
                 let colour: RGBColor = line.series.colour;

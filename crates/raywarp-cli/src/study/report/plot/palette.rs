@@ -22,6 +22,9 @@ const COLOURS: [RGBColor; 16] = [
     RGBColor(0xc3, 0xc6, 0xca),
 ];
 
+/// The strong one that has no hue.
+const GREY: usize = 7;
+
 /// A name and its colour: what a legend says.
 #[derive(Clone, Debug)]
 pub struct Series {
@@ -47,6 +50,11 @@ impl Palette {
             }
         }
         palette
+    }
+
+    /// The colour of what guides the eye.
+    pub fn guide() -> RGBColor {
+        COLOURS[GREY]
     }
 
     /// Every name, once.

@@ -58,6 +58,6 @@ fn guide(lines: &[Line]) -> Option<Line> {
     let steps = 16;
     let at = |step: i32| first * (last / first).powf(f64::from(step) / f64::from(steps));
     let points = (0..=steps).map(at).map(|n| (n, seconds * n * n.ln() / (first * first.ln()))).collect();
-    let colour = Palette::default().series(GUIDE).colour;
+    let colour = Palette::guide();
     Some(Line { series: Series { name: GUIDE.to_owned(), colour }, points, guide: true })
 }
