@@ -50,6 +50,11 @@ pub fn percent(share: f64) -> String {
     }
 }
 
+/// A share that others have rounded.
+pub fn round_percent(share: f64) -> String {
+    format!("{} %", tick(100.0 * share))
+}
+
 /// How many times as much.
 pub fn times(value: f64) -> String {
     match value.is_finite() {
@@ -116,6 +121,7 @@ mod tests {
     #[test]
     fn shares_have_three_digits_as_well() {
         let texts = [0.0, 0.0012, 0.037, 0.115, 1.0, f64::NAN].map(percent);
+        assert_eq!([0.9, 0.037, 0.115].map(round_percent), ["90 %", "3.7 %", "11.5 %"]);
         assert_eq!(texts, ["0 %", "0.120 %", "3.70 %", "11.5 %", "100 %", "-"]);
     }
 }

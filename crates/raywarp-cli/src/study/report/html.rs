@@ -70,6 +70,10 @@ fn table_of(caption: &str, table: &Table) -> String {
 
 fn figure_of(figure: &Figure) -> String {
     let caption = escape(&figure.caption);
+    let class = match figure.picture {
+        Picture::Svg(_) => "plot",
+        Picture::Png(_) => "map",
+    };
     let picture = match &figure.picture {
         // Within a page the name space is known, and no address has to be there.
         Picture::Svg(text) => text.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", " role=\"img\"", 1),
@@ -77,7 +81,7 @@ fn figure_of(figure: &Figure) -> String {
             format!("<img alt=\"{caption}\" src=\"data:image/png;base64,{}\" />", STANDARD.encode(bytes))
         }
     };
-    format!("<figure>\n<div class=\"card\">\n{picture}\n</div>\n<figcaption>{caption}</figcaption>\n</figure>\n")
+    format!("<figure class=\"{class}\">\n<div class=\"card\">\n{picture}\n</div>\n<figcaption>{caption}</figcaption>\n</figure>\n")
 }
 
 fn escape(text: &str) -> String {

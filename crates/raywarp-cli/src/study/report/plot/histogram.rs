@@ -31,7 +31,9 @@ pub struct Panel<'a> {
 
 const COLUMNS: usize = 2;
 const PANEL_WIDTH: i32 = WIDTH / COLUMNS as i32;
-const PANEL_HEIGHT: i32 = 218;
+const PANEL_HEIGHT: i32 = 232;
+/// Under its axis, before the next.
+const UNDER_PANEL: i32 = 20;
 /// Over the axes of a panel: its name, and two numbers.
 const HEAD: i32 = 44;
 
@@ -42,12 +44,12 @@ impl Histograms<'_> {
     /// Where `plotters` fails, with its reason.
     pub fn svg(&self) -> anyhow::Result<String> {
         let rows = self.panels.len().div_ceil(COLUMNS).max(1) as i32;
-        let height = UNDER_TITLE + rows * PANEL_HEIGHT;
+        let height = UNDER_TITLE + rows * PANEL_HEIGHT + MARGIN - UNDER_PANEL;
         card(height, &self.title, |area| {
             for (index, panel) in self.panels.iter().enumerate() {
                 let left = PANEL_WIDTH * (index % COLUMNS) as i32;
                 let top = UNDER_TITLE + PANEL_HEIGHT * (index / COLUMNS) as i32;
-                let bottom = (height - top - PANEL_HEIGHT).max(0);
+                let bottom = height - top - PANEL_HEIGHT + UNDER_PANEL;
                 self.draw(area, panel, (left, top, bottom))?;
             }
             Ok(())
@@ -71,7 +73,7 @@ impl Histograms<'_> {
         let far = y.far();
         let right = WIDTH - left - PANEL_WIDTH + MARGIN;
         let edges = (left + MARGIN + 50, top + HEAD, right, bottom);
-        let mut chart = lower_axis(area, edges, (x.clone(), y), &self.axis, Side::Marked("%"))?;
+        let mut chart = lower_axis(area, edges, (x.clone(), y), &self.axis, Side::Marked("share, %"))?;
         for bin in bins.filter(|bin| bin.share.is_finite() && bin.share > 0.0) {
             fill(&mut chart, [(bin.from, 0.0), (bin.to, 100.0 * bin.share)], panel.colour)?;
         }
@@ -84,4 +86,4 @@ impl Histograms<'_> {
     }
 }
 
-const _: () = assert!(PANEL_HEIGHT > HEAD + AXIS_HEIGHT);
+const _: () = assert!(PANEL_HEIGHT > HEAD + AXIS_HEIGHT + UNDER_PANEL);

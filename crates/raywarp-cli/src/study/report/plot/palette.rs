@@ -2,8 +2,8 @@
 
 use plotters::style::RGBColor;
 
-/// Told apart by people of most kinds of colour vision, the strong ones first, then a paler one of each.
-const COLOURS: [RGBColor; 16] = [
+/// Of structures. Told apart by people of most kinds of colour vision: the strong ones first, then a paler one of each.
+const STRUCTURES: [RGBColor; 16] = [
     RGBColor(0x2f, 0x6f, 0xb5),
     RGBColor(0xe0, 0x7b, 0x1a),
     RGBColor(0x2e, 0x93, 0x6f),
@@ -22,8 +22,20 @@ const COLOURS: [RGBColor; 16] = [
     RGBColor(0xc3, 0xc6, 0xca),
 ];
 
-/// The strong one that has no hue.
-const GREY: usize = 7;
+/// Of everything else, so that nothing is taken for a structure.
+const OTHERS: [RGBColor; 8] = [
+    RGBColor(0x1c, 0x7c, 0x8c),
+    RGBColor(0xef, 0xb8, 0x4a),
+    RGBColor(0xb8, 0x57, 0x3a),
+    RGBColor(0x8b, 0x98, 0xa8),
+    RGBColor(0xd5, 0xdb, 0xe2),
+    RGBColor(0x4b, 0x4f, 0x7d),
+    RGBColor(0x8f, 0x9c, 0x3f),
+    RGBColor(0x7d, 0xc1, 0xc9),
+];
+
+/// Of lines that guide the eye.
+const GUIDE: RGBColor = RGBColor(0x7a, 0x7f, 0x86);
 
 /// A name and its colour: what a legend says.
 #[derive(Clone, Debug)]
@@ -35,26 +47,36 @@ pub struct Series {
 }
 
 /// Names in the order of their colours.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Palette {
     names: Vec<String>,
+    colours: &'static [RGBColor],
 }
 
 impl Palette {
-    /// A colour for each name, in the order in which they first come.
+    /// A colour for each structure, in the order in which they first come.
+    pub fn of_structures<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
+        Self::new(names, &STRUCTURES)
+    }
+
+    /// A colour for each of something else.
     pub fn of<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
-        let mut palette = Self::default();
+        Self::new(names, &OTHERS)
+    }
+
+    fn new<'a>(names: impl IntoIterator<Item = &'a str>, colours: &'static [RGBColor]) -> Self {
+        let mut known: Vec<String> = Vec::new();
         for name in names {
-            if !palette.names.iter().any(|known| known == name) {
-                palette.names.push(name.to_owned());
+            if !known.iter().any(|one| one == name) {
+                known.push(name.to_owned());
             }
         }
-        palette
+        Self { names: known, colours }
     }
 
     /// The colour of what guides the eye.
     pub fn guide() -> RGBColor {
-        COLOURS[GREY]
+        GUIDE
     }
 
     /// Every name, once.
@@ -62,10 +84,10 @@ impl Palette {
         &self.names
     }
 
-    /// The colour of a name; of one that is unknown, the last.
+    /// The colour of a name; of one that is unknown, that of the guides.
     pub fn series(&self, name: &str) -> Series {
         let index = self.names.iter().position(|known| known == name);
-        let colour = COLOURS[index.map_or(COLOURS.len() - 1, |index| index % COLOURS.len())];
-        Series { name: name.to_owned(), colour }
+        let colour = index.and_then(|index| self.colours.get(index % self.colours.len())).copied();
+        Series { name: name.to_owned(), colour: colour.unwrap_or(GUIDE) }
     }
 }

@@ -1,6 +1,7 @@
 //! What was measured, on what, and with what.
 
 use super::super::format::{count, number, NONE};
+use super::super::paper;
 use super::Page;
 use crate::columns::{left, right};
 use crate::study::findings::{About, SceneStudy};
@@ -13,10 +14,17 @@ pub(super) fn show(page: &mut Page) {
          {run} of this command:"
     ));
     page.document.code(&study.about.command);
+    page.document.say(format!(
+        "It follows {}, which the sections below call the paper, and gives what that reports beside each measurement.",
+        paper::CITATION
+    ));
     page.document.say("Of repeated measurements the median is given, with the least and the most in brackets.");
     let columns = [left("Machine and program", |row: &Fact| row.0.to_owned()), left("", |row: &Fact| row.1.clone())];
     page.document.table("What was measured on, and with what.", &columns, &facts(&study.about));
     show_scenes(page);
+    if !study.notes.is_empty() {
+        page.document.say("Notes on this run:");
+    }
     page.document.list(study.notes.clone());
 }
 

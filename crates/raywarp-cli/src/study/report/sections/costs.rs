@@ -1,6 +1,6 @@
 //! What rays cost.
 
-use super::super::format::{count, number, percent};
+use super::super::format::{count, number, percent, round_percent};
 use super::super::paper;
 use super::super::plot::{Histograms, Panel};
 use super::Page;
@@ -20,8 +20,8 @@ pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.beside(&format!(
         "a ray tests about {} triangles, {} of all references and {} of all triangles; {} at most.",
         count(paper::TESTS_PER_RAY),
-        percent(paper::SHARE_OF_REFERENCES),
-        percent(paper::SHARE_OF_TRIANGLES),
+        round_percent(paper::SHARE_OF_REFERENCES),
+        round_percent(paper::SHARE_OF_TRIANGLES),
         count(paper::MOST_TESTS)
     ));
     page.each_scene("counts of tests", |scene| !scene.tests.is_empty(), scene)

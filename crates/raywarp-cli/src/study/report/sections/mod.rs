@@ -13,7 +13,6 @@ mod stages;
 mod structures;
 
 use super::document::{Document, Picture};
-use super::paper;
 use super::plot::Palette;
 use crate::study::findings::{SceneStudy, Study};
 
@@ -60,7 +59,7 @@ impl<'a> Page<'a> {
         Self {
             document: Document::new(format!("A study of ray tracing on {}", study.about.device)),
             study,
-            structures: Palette::of(built.chain(grown)),
+            structures: Palette::of_structures(built.chain(grown)),
             rays: Palette::of(RAYS.into_iter().chain(shared)),
         }
     }
@@ -95,7 +94,7 @@ impl<'a> Page<'a> {
 
     /// Says what the paper has.
     fn beside(&mut self, text: &str) {
-        self.document.say(format!("The paper ({}): {text}", paper::CITATION));
+        self.document.say(format!("The paper: {text}"));
     }
 }
 

@@ -40,10 +40,10 @@ fn scene(page: &mut Page, scene: &SceneStudy) -> anyhow::Result<()> {
     let brute = scene.structures.iter().find(|one| one.accel == "brute");
     let frames: Vec<Frame> = scene.structures.iter().flat_map(|one| Frame::all_of(one, brute)).collect();
     page.document.table("Whole frames.", &frame_columns(), &frames);
-    let share = |one: &Structure| Some(format!("{} of {}", percent(one.share_of_peak?), one.name));
+    let share = |one: &Structure| Some(format!("{}, {}", one.name, percent(one.share_of_peak?)));
     let shares: Vec<String> = scene.structures.iter().filter_map(share).collect();
     if !shares.is_empty() {
-        let shares = shares.join(", ");
+        let shares = shares.join("; ");
         page.document.say(format!("Share of the device's peak arithmetic that triangle tests reach: {shares}."));
     }
     Ok(())
@@ -70,20 +70,21 @@ fn bars(page: &Page, scene: &SceneStudy, structures: &[&Structure]) -> Bars {
     let bar = |one: &Structure, kind: &str| {
         let rate = one.rates.iter().find(|rate| rate.rays == kind)?;
         let value = rate.mrays_per_s.median;
-        let label = if named { format!("{}  {}", number(value), one.name) } else { number(value) };
+        let label = if named { format!("{} · {}", number(value), one.name) } else { number(value) };
         Some(Bar { value, label, colour: page.structures.series(&one.name).colour })
     };
     let group = |kind: &str| {
         let bars = structures.iter().filter_map(|one| bar(one, kind)).collect();
         Group { name: kind.to_owned(), bars }
     };
+    let legend = structures.iter().map(|one| page.structures.series(&one.name));
     Bars {
         title: format!("{}: rays a second", scene.name),
         axis: "million rays a second (logarithmic)".to_owned(),
         log: true,
         line: None,
         groups: kinds(structures).into_iter().map(group).collect(),
-        legend: structures.iter().map(|one| page.structures.series(&one.name)).collect(),
+        legend: if named { Vec::new() } else { legend.collect() },
     }
 }
 

@@ -1,6 +1,6 @@
 //! Where the time of a frame goes.
 
-use super::super::format::percent;
+use super::super::format::{percent, round_percent};
 use super::super::paper;
 use super::super::plot::{Palette, Stack, Stacked};
 use super::Page;
@@ -15,12 +15,12 @@ pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
         "Clocks are read within the kernel around the making of rays, the search for what they hit, and the shading, and \
          added over all threads of a frame.",
     );
-    page.beside(&format!("intersection takes more than {} of the time.", percent(paper::INTERSECTION)));
+    page.beside(&format!("intersection takes more than {} of the time.", round_percent(paper::INTERSECTION)));
     page.each_scene("times of stages", |scene| !scene.shares.is_empty(), scene)
 }
 
 fn scene(page: &mut Page, scene: &SceneStudy) -> anyhow::Result<()> {
-    let stages = Palette::of(STAGES);
+    let stages = Palette::of(["intersection", "generation", "shading"]);
     let stack = |row: &StageShares| Stack {
         name: format!("{}, {}", row.structure, row.rays),
         shares: vec![row.generation, row.intersection, row.shading],
