@@ -11,6 +11,9 @@ const MARKS: f64 = 6.0;
 /// Decades that a logarithmic axis shows at most: far more than any measurement spans.
 const DECADES: f64 = 24.0;
 
+/// Edges that differ by no more than this share of theirs are one.
+const ROUNDING: f64 = 1e-9;
+
 /// An axis. Whatever it is made of, its range is finite and not empty.
 #[derive(Clone, Debug)]
 pub struct Axis {
@@ -71,7 +74,8 @@ impl Axis {
     pub fn edges(edges: Vec<f64>) -> Self {
         let mut edges: Vec<f64> = usable(edges).collect();
         edges.sort_by(f64::total_cmp);
-        edges.dedup();
+        // The end of a column and the start of the next may differ by their rounding.
+        edges.dedup_by(|next, edge| (*next - *edge).abs() <= ROUNDING * edge.abs().max(next.abs()));
         if edges.len() < 2 {
             edges = vec![0.0, 1.0];
         }
@@ -223,6 +227,8 @@ mod tests {
     fn columns_of_a_histogram_are_equally_wide() {
         let axis = Axis::edges(vec![1.0, 10.0, 100.0, 1000.0, 10_000.0]);
         assert_eq!([1.0, 10.0, 55.0, 10_000.0].map(|value| axis.place(value)), [0.0, 0.25, 0.375, 1.0]);
+        let rounded = Axis::edges(vec![1.0, 1.3, 1.3 + f64::EPSILON, 1.69]);
+        assert!((rounded.place(1.3) - 0.5).abs() < 1e-6);
         assert_eq!(Axis::edges(vec![0.0, 10.0, 20.0]).marks, [0.0, 5.0, 10.0, 15.0, 20.0]);
     }
 

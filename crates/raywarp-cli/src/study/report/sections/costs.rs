@@ -57,7 +57,9 @@ fn scene(page: &mut Page, scene: &SceneStudy) -> anyhow::Result<()> {
     if !panels.is_empty() {
         let title = format!("{}: triangles tested by a {SHOWN} ray", scene.name);
         let svg = Histograms { title, axis: "triangles tested".to_owned(), panels }.svg()?;
-        let caption = format!("How many triangles a {SHOWN} ray tests: share of the rays in each column, in per cent.");
+        let caption = format!(
+            "How many triangles a {SHOWN} ray tests: share of the rays in each column. Columns are drawn equally wide."
+        );
         page.plot(scene, "tests", svg, caption);
     }
     Ok(())

@@ -62,7 +62,7 @@ fn histograms(page: &mut Page, scene: &SceneStudy, rays: &str) -> anyhow::Result
     let title = format!("{}: time of a thread, frame '{rays}'", scene.name);
     let svg = Histograms { title, axis: format!("time of a thread, {unit}"), panels }.svg()?;
     let caption =
-        format!("How long a thread takes in the frame '{rays}': share of the threads in each column, in per cent.");
+        format!("How long a thread takes in the frame '{rays}': share of the threads in each column. Columns are drawn equally wide.");
     page.plot(scene, &format!("load {rays}"), svg, caption);
     Ok(())
 }

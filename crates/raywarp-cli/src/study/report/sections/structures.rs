@@ -49,7 +49,7 @@ fn columns<'a>(triangles: usize) -> Vec<Column<'a, &'a Structure>> {
         right("largest leaf", |one: &&Structure| count(one.largest_leaf)),
         right("SAH cost", |one: &&Structure| number(one.sah_cost)),
         right("memory", |one: &&Structure| say::bytes(one.bytes as u64)),
-        right("build, s", |one: &&Structure| number(one.build_seconds)),
+        right("build,\u{a0}s", |one: &&Structure| number(one.build_seconds)),
     ]
 }
 
