@@ -26,8 +26,16 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// A mark of an axis: a number without zeros that say nothing.
+/// A mark of an axis: a number without zeros that say nothing, millions and more in units of their own.
 pub fn tick(value: f64) -> String {
+    match value.abs() {
+        1e6..1e9 => format!("{} M", trimmed(value * 1e-6)),
+        1e9..1e12 => format!("{} G", trimmed(value * 1e-9)),
+        _ => trimmed(value),
+    }
+}
+
+fn trimmed(value: f64) -> String {
     let text = number(value);
     let (mantissa, exponent) = text.split_once('e').map_or((text.as_str(), None), |(m, e)| (m, Some(e)));
     let short = match mantissa.contains('.') {
@@ -116,6 +124,7 @@ mod tests {
     #[test]
     fn marks_are_short() {
         assert_eq!([0.0, 2.0, 0.5, 20.0, 1000.0, 1e-6].map(tick), ["0", "2", "0.5", "20", "1,000", "1e-6"]);
+        assert_eq!([1e6, 2.5e7, -3e9].map(tick), ["1 M", "25 M", "-3 G"]);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use plotters::style::RGBColor;
 
 use super::axis::Axis;
 use super::canvas::{card, fill, legend, legend_height, lower_axis, shortened, stroke, text, text_width, Side};
+use super::canvas::{Area, Chart};
 use super::canvas::{AXIS_HEIGHT, FAINT, INK, MARGIN, UNDER_TITLE, WIDTH};
 use super::palette::Series;
 
@@ -52,44 +53,60 @@ const NAME_LETTERS: usize = 40;
 /// Letters of values.
 const LABEL_SIZE: i32 = 11;
 
+/// Where a plot of bars is on its card, in pixels.
+struct Frame {
+    left: i32,
+    top: i32,
+    right: i32,
+    height: i32,
+    thickness: i32,
+}
+
 impl Bars {
     /// As an SVG file.
     ///
     /// # Errors
     /// Where `plotters` fails, with its reason.
     pub fn svg(&self) -> anyhow::Result<String> {
-        let (thickness, plot_height) = self.heights();
-        let top = UNDER_TITLE + legend_height(&self.legend);
-        let height = top + plot_height + AXIS_HEIGHT + MARGIN;
-        card(height, &self.title, |area| {
+        let frame = self.frame();
+        let Frame { left, top, right, height, .. } = frame;
+        card(top + height + AXIS_HEIGHT + MARGIN, &self.title, |area| {
             legend(area, UNDER_TITLE, &self.legend)?;
-            let left = names_width(self.groups.iter().map(|group| group.name.as_str()));
-            let right = self.labels_width();
-            let x = self.x_axis();
-            let axes = (x.clone(), Axis::pixels(plot_height));
+            let axes = (self.x_axis(), Axis::pixels(height));
             let mut chart = lower_axis(area, (left, top, right, MARGIN), axes, &self.axis, Side::Bare)?;
-            let span = f64::from(WIDTH - left - right);
             let mut y = GAP / 2;
             for group in &self.groups {
-                let middle = top + y + group_height(group, thickness) / 2;
-                text(area, &shortened(&group.name, NAME_LETTERS), (left - 8, middle), 12, INK, HPos::Right)?;
-                for bar in group.bars.iter() {
-                    if bar.value.is_finite() {
-                        let from = f64::from(plot_height - y - thickness + 1);
-                        let corners = [(x.near(), from), (bar.value, f64::from(plot_height - y))];
-                        fill(&mut chart, corners, bar.colour)?;
-                        let end = left + (x.place(bar.value) * span).round() as i32;
-                        text(area, &bar.label, (end + 5, top + y + thickness / 2), LABEL_SIZE, FAINT, HPos::Left)?;
-                    }
-                    y += thickness;
-                }
-                y += GAP;
+                self.draw(group, area, &mut chart, &frame, y)?;
+                y += group_height(group, frame.thickness) + GAP;
             }
             if let Some(line) = self.line.filter(|line| line.is_finite()) {
-                stroke(&mut chart, vec![(line, 0.0), (line, f64::from(plot_height))], INK, 1)?;
+                stroke(&mut chart, vec![(line, 0.0), (line, f64::from(height))], INK, 1)?;
             }
             Ok(())
         })
+    }
+
+    /// Draws a group whose upper edge is `y` pixels below that of the plot.
+    fn draw(&self, group: &Group, area: &Area, chart: &mut Chart, frame: &Frame, y: i32) -> anyhow::Result<()> {
+        let &Frame { left, top, right, height, thickness } = frame;
+        let x = self.x_axis();
+        let middle = top + y + group_height(group, thickness) / 2;
+        text(area, &fitting(&group.name), (left - 8, middle), 12, INK, HPos::Right)?;
+        for (index, bar) in (0..).zip(&group.bars).filter(|(_, bar)| bar.value.is_finite()) {
+            let y = y + index * thickness;
+            let corners = [(x.near(), f64::from(height - y - thickness + 1)), (bar.value, f64::from(height - y))];
+            fill(chart, corners, bar.colour)?;
+            let end = left + (x.place(bar.value) * f64::from(WIDTH - left - right)).round() as i32;
+            text(area, &bar.label, (end + 5, top + y + thickness / 2), LABEL_SIZE, FAINT, HPos::Left)?;
+        }
+        Ok(())
+    }
+
+    fn frame(&self) -> Frame {
+        let (thickness, height) = self.heights();
+        let left = names_width(self.groups.iter().map(|group| group.name.as_str()));
+        let top = UNDER_TITLE + legend_height(&self.legend);
+        Frame { left, top, right: self.labels_width(), height, thickness }
     }
 
     /// Thickness of a bar, and height of all.
@@ -112,7 +129,7 @@ impl Bars {
     /// At the right, for the label of the longest bar.
     fn labels_width(&self) -> i32 {
         let labels = self.groups.iter().flat_map(|group| &group.bars).map(|bar| text_width(&bar.label, LABEL_SIZE));
-        labels.max().unwrap_or(0).min(WIDTH / 4) + MARGIN + 6
+        labels.max().unwrap_or(0).min(WIDTH / 3) + MARGIN + 6
     }
 }
 

@@ -34,6 +34,8 @@ const PANEL_WIDTH: i32 = WIDTH / COLUMNS as i32;
 const PANEL_HEIGHT: i32 = 232;
 /// Under its axis, before the next.
 const UNDER_PANEL: i32 = 20;
+/// At the right of an axis, where half of its last mark is.
+const RIGHT: i32 = 28;
 /// Over the axes of a panel: its name, and two numbers.
 const HEAD: i32 = 44;
 
@@ -71,7 +73,7 @@ impl Histograms<'_> {
         let x = Axis::edges(bins.clone().flat_map(|bin| [bin.from, bin.to]).collect());
         let y = Axis::linear(bins.clone().map(|bin| 100.0 * bin.share));
         let far = y.far();
-        let right = WIDTH - left - PANEL_WIDTH + MARGIN;
+        let right = WIDTH - left - PANEL_WIDTH + RIGHT;
         let edges = (left + MARGIN + 50, top + HEAD, right, bottom);
         let mut chart = lower_axis(area, edges, (x.clone(), y), &self.axis, Side::Marked("share, %"))?;
         for bin in bins.filter(|bin| bin.share.is_finite() && bin.share > 0.0) {

@@ -12,6 +12,7 @@ mod palette;
 mod stacked;
 
 pub use bars::{Bar, Bars, Group};
+pub use canvas::shortened;
 pub use histogram::{Histograms, Panel};
 pub use lines::{Line, Lines};
 pub use palette::{Palette, Series};

@@ -2,13 +2,15 @@
 
 use super::super::format::{count, number, percent, spread, times, NONE};
 use super::super::paper;
-use super::super::plot::{Bar, Bars, Group};
+use super::super::plot::{shortened, Bar, Bars, Group};
 use super::{distinct, Page};
 use crate::columns::{left, right, Column};
 use crate::study::findings::{FrameTime, SceneStudy, Structure};
 
 /// Structures whose bars a legend can tell apart; with more of them each bar has its name.
 const TOLD_APART: usize = 8;
+/// Letters of those names at most.
+const NAME_LETTERS: usize = 30;
 
 pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.document.section("speed", "Speed by structure");
@@ -70,7 +72,8 @@ fn bars(page: &Page, scene: &SceneStudy, structures: &[&Structure]) -> Bars {
     let bar = |one: &Structure, kind: &str| {
         let rate = one.rates.iter().find(|rate| rate.rays == kind)?;
         let value = rate.mrays_per_s.median;
-        let label = if named { format!("{} · {}", number(value), one.name) } else { number(value) };
+        let label =
+            if named { format!("{} · {}", number(value), shortened(&one.name, NAME_LETTERS)) } else { number(value) };
         Some(Bar { value, label, colour: page.structures.series(&one.name).colour })
     };
     let group = |kind: &str| {
