@@ -1,6 +1,7 @@
 //! The program `raywarp`.
 
 mod bench;
+mod columns;
 mod completions;
 mod doctor;
 mod failure;

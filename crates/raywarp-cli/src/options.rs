@@ -14,6 +14,7 @@ use raywarp_viewer::live::StageOptions;
 
 pub use crate::bench::BenchOptions;
 pub use crate::frames::FrameOptions;
+pub use crate::study::StudyOptions;
 use crate::values;
 
 /// Ray tracing on any CUDA GPU with nothing but its driver, or on the CPU

@@ -1,6 +1,7 @@
 //! Results as people read them: Markdown.
 
 use super::results::{PeerRow, Results, Row, Speed};
+use crate::columns::{left, right, Column, Table};
 use crate::say;
 
 impl Results {
@@ -78,27 +79,9 @@ impl Results {
     }
 }
 
-/// A column of a table: its head, the line under that, and what is in it.
-pub(super) struct Column<'a, R> {
-    head: &'static str,
-    rule: &'static str,
-    cell: Box<dyn Fn(&R) -> String + 'a>,
-}
-
-pub(super) fn left<'a, R>(head: &'static str, cell: impl Fn(&R) -> String + 'a) -> Column<'a, R> {
-    Column { head, rule: "---", cell: Box::new(cell) }
-}
-
-pub(super) fn right<'a, R>(head: &'static str, cell: impl Fn(&R) -> String + 'a) -> Column<'a, R> {
-    Column { head, rule: "---:", cell: Box::new(cell) }
-}
-
+/// A filled table as it is printed.
 pub(super) fn table<R>(columns: &[Column<R>], rows: &[R]) -> String {
-    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
-    let head = line(columns.iter().map(|column| column.head.to_owned()).collect());
-    let rule = line(columns.iter().map(|column| column.rule.to_owned()).collect());
-    let body = rows.iter().map(|row| line(columns.iter().map(|column| (column.cell)(row)).collect()));
-    format!("\n{head}{rule}{}", body.collect::<String>())
+    Table::of(columns, rows).markdown(str::to_owned)
 }
 
 /// Where any hit will do, nobody has a distance.

@@ -1,7 +1,8 @@
 //! Measurements of the viewer as people read them: Markdown.
 
-use super::super::table::{left, number, right, table, Column};
+use super::super::table::{number, table};
 use super::rows::{Live, Part, Row};
+use crate::columns::{left, right, Column};
 use crate::say;
 
 impl Live {
