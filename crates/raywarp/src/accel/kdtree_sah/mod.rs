@@ -20,6 +20,7 @@ use std::time::Instant;
 use raywarp_kernels::triangle::Triangle;
 
 use self::cell::{Cell, PARALLEL};
+use self::plane::Plane;
 use super::kdtree::KdTree;
 use super::kdtree_arrays::{deepest, share, Arrays, COPIES, MAX_TRIANGLES};
 use super::BuildError;
@@ -51,10 +52,7 @@ impl Builder<'_> {
     /// references.
     fn grow(&self, cell: Cell, budget: usize, depth: usize, slot: usize, tree: &mut Arrays) {
         let count = cell.parts.len();
-        let plane = (depth < self.deepest).then(|| plane::best(&cell)).flatten();
-        let worth =
-            |plane: &plane::Plane| plane.cost < count as f64 && plane.counts.iter().sum::<u32>() as usize <= budget;
-        let Some(plane) = plane.filter(worth) else {
+        let Some(plane) = self.plane(&cell, budget, depth) else {
             return tree.leaf(slot, cell.parts.iter().map(|part| part.triangle));
         };
         let [below, above] = cell.cut(&plane, self.triangles);
@@ -71,6 +69,12 @@ impl Builder<'_> {
             self.grow(below, left, depth + 1, children, tree);
             self.grow(above, right, depth + 1, children + 1, tree);
         }
+    }
+    /// Where to cut a cell; none where that is not worth its cost, or not allowed.
+    fn plane(&self, cell: &Cell, budget: usize, depth: usize) -> Option<Plane> {
+        let plane = (depth < self.deepest).then(|| plane::best(cell)).flatten()?;
+        let copies = plane.counts.iter().map(|&count| count as usize).sum::<usize>();
+        (plane.cost < cell.parts.len() as f64 && copies <= budget).then_some(plane)
     }
 }
 
