@@ -47,7 +47,11 @@ struct Row {
 
 /// Times every structure on a scene.
 pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
-    anyhow::ensure!(options.subjects.scenes.len() < 2, "--frames takes one scene, and there are {}", options.subjects.scenes.len());
+    anyhow::ensure!(
+        options.subjects.scenes.len() < 2,
+        "--frames takes one scene, and there are {}",
+        options.subjects.scenes.len()
+    );
     limit_threads(options.threads)?;
     let loaded = read(options.subjects.scenes.first().map(PathBuf::as_path), false)?;
     let device = Device::open(options.device)?;

@@ -117,4 +117,5 @@ impl BenchOptions {
         } else {
             self.size.clone()
         }
-    }}
+    }
+}

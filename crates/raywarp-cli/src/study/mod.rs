@@ -37,8 +37,8 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     }
     anyhow::ensure!(!study.scenes.is_empty(), "no scene was studied; the notes above say why");
     study.growth = measure::growth(&setting)?;
-    for path in report::write(&study, &options.output)? {
-        say::line(&format!("wrote {}", path.display()));
-    }
+    let written = report::write(&study, &options.output)?;
+    let first = written.first().map_or(options.output.display().to_string(), |path| path.display().to_string());
+    say::line(&format!("wrote {first} and {} files beside it", written.len().saturating_sub(1)));
     Ok(())
 }

@@ -31,7 +31,7 @@ pub struct StudyOptions {
     /// Small pictures, fewer rays and repeats: a minute on two CPU cores
     #[arg(long, help_heading = "How often")]
     pub quick: bool,
-    /// Size of the pictures in pixels; none: 1920x1080, with --quick 320x180
+    /// Size of the pictures in pixels; none: 1920x1080, with --quick 240x135
     #[arg(long, value_name = "WxH", value_parser = values::size, help_heading = "How often")]
     pub size: Option<[u32; 2]>,
     /// Timed repeats, of which the median counts; none: 10, with --quick 3

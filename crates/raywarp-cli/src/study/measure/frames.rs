@@ -122,13 +122,7 @@ fn shares(
     Ok(Some(StageShares { structure, rays, generation, intersection, shading }))
 }
 
-fn load(
-    stage: &Stage,
-    tracer: &Tracer,
-    options: &RenderOptions,
-    structure: &str,
-    rays: &str,
-) -> anyhow::Result<Load> {
+fn load(stage: &Stage, tracer: &Tracer, options: &RenderOptions, structure: &str, rays: &str) -> anyhow::Result<Load> {
     // The first time may be in cold caches.
     tracer.costs(&stage.camera, options)?;
     let PixelCosts { ticks, .. } = tracer.costs(&stage.camera, options)?;

@@ -41,7 +41,8 @@ pub fn growth(setting: &Setting) -> anyhow::Result<Vec<Growth>> {
 
 fn strewn(count: u32) -> Vec<Triangle> {
     let edge = 1.0 / f64::from(count).cbrt() as f32;
-    let number = |key: u32| (key.wrapping_mul(0x9e37_79b9).rotate_left(13).wrapping_mul(0x85eb_ca6b) >> 8) as f32 / 16_777_216.0;
+    let number =
+        |key: u32| (key.wrapping_mul(0x9e37_79b9).rotate_left(13).wrapping_mul(0x85eb_ca6b) >> 8) as f32 / 16_777_216.0;
     let point = |key: u32| Vec3::new(number(key), number(key + 1), number(key + 2));
     let triangle = |index: u32| {
         let (key, offset) = (12 * index, Vec3::splat(-0.5));

@@ -40,7 +40,7 @@ impl<'a> Setting<'a> {
     pub fn new(options: &StudyOptions, device: &'a Device) -> Self {
         let gpu = device.is_cuda();
         let quick = options.quick;
-        let size = options.size.unwrap_or(if quick { [320, 180] } else { [1920, 1080] });
+        let size = options.size.unwrap_or(if quick { [240, 135] } else { [1920, 1080] });
         Self {
             device,
             quick,

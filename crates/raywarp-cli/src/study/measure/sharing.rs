@@ -68,8 +68,7 @@ const fn in_blocks(threads: u32) -> Choice {
     Choice { block: Some(threads), ..by(PLAIN) }
 }
 
-const ORDERS: [Variant; 3] =
-    [("tiles of 8x4 pixels", ordered(0)), ("scan line", ordered(1)), ("Morton", ordered(2))];
+const ORDERS: [Variant; 3] = [("tiles of 8x4 pixels", ordered(0)), ("scan line", ordered(1)), ("Morton", ordered(2))];
 
 const BLOCKS: [Variant; 4] =
     [("64", in_blocks(64)), ("32", in_blocks(32)), ("128", in_blocks(128)), ("256", in_blocks(256))];

@@ -5,8 +5,8 @@ use raywarp::query::{RayCaster, Workload};
 use raywarp::Ray;
 
 use super::frames::Timed;
-use super::scene::{Stage, PLAIN};
 use super::rate;
+use super::scene::{Stage, PLAIN};
 use crate::study::findings::{Rate, Structure};
 
 /// Arithmetic of a triangle's test on the way that most take: nine differences, six products of three with their sums,
