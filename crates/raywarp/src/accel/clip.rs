@@ -79,22 +79,19 @@ impl Polygon {
 
     /// The part in a box from `low` to `high`.
     pub fn between(&self, low: &[f64; 3], high: &[f64; 3]) -> Option<Self> {
-        (0..3).try_fold(*self, |part, axis| {
-            let [_, above] = part.split_unless_clear(axis, low[axis]);
-            let [below, _] = above?.split_unless_clear(axis, high[axis]);
-            below
-        })
-    }
-
-    /// As [`split`](Self::split), for less where the plane does not cut.
-    fn split_unless_clear(&self, axis: usize, plane: f64) -> [Option<Self>; 2] {
-        if self.corners().iter().all(|corner| corner[axis] > plane) {
-            return [None, Some(*self)];
+        let mut part = *self;
+        for axis in 0..3 {
+            // Most planes do not cut: those cost no copy.
+            if !part.corners().iter().all(|corner| corner[axis] > low[axis]) {
+                let [_, above] = part.split(axis, low[axis]);
+                part = above?;
+            }
+            if !part.corners().iter().all(|corner| corner[axis] < high[axis]) {
+                let [below, _] = part.split(axis, high[axis]);
+                part = below?;
+            }
         }
-        if self.corners().iter().all(|corner| corner[axis] < plane) {
-            return [Some(*self), None];
-        }
-        self.split(axis, plane)
+        Some(part)
     }
 
     /// The box around every point where a ray may be found to hit this part of `triangle`: as [`Bounds::of`] the whole.

@@ -107,8 +107,8 @@ impl KdTree {
         stats
     }
 
-    /// See [`Accel::validate`](super::Accel::validate). A triangle must be in every leaf whose cell comes close to it. What
-    /// else is around its box does not count: a builder may cut triangles along the faces of cells.
+    /// See [`Accel::validate`](super::Accel::validate). A triangle must be in every leaf where a ray may be found to hit it:
+    /// all whose cell it comes close to. It need not be where only its box is.
     ///
     /// # Errors
     /// The first flaw found.

@@ -114,6 +114,50 @@ mod tests {
         Triangle::new(corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0), primitive, 0)
     }
 
+    /// Twenty triangles in a plane, in columns 0 to 4 and rows 0 to 3, as wide as the gaps between them.
+    fn grid() -> Vec<Triangle> {
+        let triangle = |i: u32| {
+            let (x, y) = ((i % 5) as f32 * 2.0, (i / 5) as f32 * 2.0);
+            Triangle::new(vec3(x, y, 0.0), vec3(x + 1.0, y, 0.0), vec3(x, y + 1.0, 0.0), i, 0)
+        };
+        (0..20).map(triangle).collect()
+    }
+
+    /// The paper's rules, by hand.
+    #[test]
+    fn nodes_of_a_grid_are_those_made_by_hand() {
+        let tree = build(grid()).unwrap();
+        let nodes = [
+            // The eleventh of twenty centres along x is in column 2, which is on both sides then.
+            Node::inner(0, 4.5, 1),
+            // Columns 0 to 2: the seventh of twelve centres along y is in row 2.
+            Node::inner(1, 4.5, 3),
+            // Columns 2 to 4 likewise.
+            Node::inner(1, 4.5, 7),
+            // Rows 0 to 2 of columns 0 to 2: along z they are all the same, so x has its turn. The fifth of nine centres is
+            // in column 1.
+            Node::inner(0, 2.5, 5),
+            Node::leaf(12, 6),
+            Node::leaf(0, 6),
+            Node::leaf(6, 6),
+            // Rows 0 to 2 of columns 2 to 4.
+            Node::inner(0, 6.5, 9),
+            Node::leaf(30, 6),
+            Node::leaf(18, 6),
+            Node::leaf(24, 6),
+        ];
+        assert_eq!(tree.nodes, nodes);
+        let leaves = [
+            [0, 1, 5, 6, 10, 11],
+            [1, 2, 6, 7, 11, 12],
+            [10, 11, 12, 15, 16, 17],
+            [2, 3, 7, 8, 12, 13],
+            [3, 4, 8, 9, 13, 14],
+            [12, 13, 14, 17, 18, 19],
+        ];
+        assert_eq!(tree.references, leaves.concat());
+    }
+
     #[test]
     fn every_small_count_is_a_valid_tree() {
         for count in 0..100 {

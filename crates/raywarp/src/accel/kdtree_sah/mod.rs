@@ -6,7 +6,7 @@
 //! and ends are sorted once; a cut hands them down in their order, and sorts those of the parts that it goes through. A
 //! cell becomes a leaf where the best cut costs more than it saves.
 //!
-//! Parts keep the margin of a hit (see [`share`](part::share)). It gives width to what is flat: Wald and Havran try a
+//! Parts keep the margin of a hit (see `part::share`). It gives width to what is flat: Wald and Havran try a
 //! triangle that lies in the plane on either side, here those are two planes, a margin below the triangle and a margin
 //! above. No plane goes through it.
 
@@ -70,6 +70,7 @@ impl Builder<'_> {
             self.grow(above, right, depth + 1, children + 1, tree);
         }
     }
+
     /// Where to cut a cell; none where that is not worth its cost, or not allowed.
     fn plane(&self, cell: &Cell, budget: usize, depth: usize) -> Option<Plane> {
         let plane = (depth < self.deepest).then(|| plane::best(cell)).flatten()?;
