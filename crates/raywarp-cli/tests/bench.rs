@@ -5,7 +5,7 @@ mod common;
 use common::{Place, Run, SCENE};
 use serde_json::Value;
 
-const KINDS: [&str; 5] = ["primary", "shadow", "ao", "diffuse", "random"];
+const KINDS: [&str; 6] = ["primary", "shadow", "ao", "reflected", "diffuse", "random"];
 
 fn place() -> Place {
     let place = Place::new();
@@ -53,7 +53,7 @@ fn every_kind_of_ray_is_measured_with_every_structure_and_tree() {
     assert_eq!(rows[0]["cost"]["triangles_per_ray"], 1.0);
     // A fifth of the picture or so is the triangle; alone in space it shadows nothing and no bounce comes back.
     let share = |index: usize| rows[index]["hit_share"].as_f64().unwrap();
-    assert!(share(0) > 0.1 && share(0) < 0.4 && share(4) == 0.0 && share(8) == 0.0 && share(12) == 0.0);
+    assert!(share(0) > 0.1 && share(0) < 0.4 && share(4) == 0.0 && share(8) == 0.0 && share(12) == 0.0 && share(16) == 0.0);
 }
 
 #[test]

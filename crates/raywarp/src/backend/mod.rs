@@ -27,7 +27,7 @@ pub(crate) use stream::Launch;
 pub use stream::Stream;
 pub use survey::{survey, DeviceInfo, DriverInfo, PtxInfo, Survey};
 
-/// Most threads of a block: what the kernels are compiled for.
+/// Most threads of a block: what those kernels are compiled for that are tried with several; others take half of it.
 pub const MAX_BLOCK: u32 = 256;
 
 /// A machine that runs kernels. Cloning gives another handle to the same one.
