@@ -96,7 +96,10 @@ fn what_is_counted_is_exact() {
         assert_eq!(row["counted"].as_u64(), Some(48 * 27));
         assert_eq!(row["nodes"]["mean"].as_f64(), Some(mean(each.iter().map(|tests| tests.nodes).collect())));
         assert_eq!(row["triangles"]["mean"].as_f64(), Some(mean(each.iter().map(|tests| tests.triangles).collect())));
-        assert_eq!(row["triangles"]["most"].as_f64(), each.iter().map(|tests| f64::from(tests.triangles)).reduce(f64::max));
+        assert_eq!(
+            row["triangles"]["most"].as_f64(),
+            each.iter().map(|tests| f64::from(tests.triangles)).reduce(f64::max)
+        );
     }
     // One triangle: brute force tests it once for each camera ray.
     let brute = &list(&study["scenes"][0]["tests"])[0];

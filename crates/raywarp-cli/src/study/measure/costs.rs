@@ -45,19 +45,21 @@ impl Distribution {
     /// Of numbers; of none, zeros.
     pub fn of(values: Vec<f64>) -> Self {
         let most = values.iter().copied().fold(0.0, f64::max);
+        let p95 = quantile(&values, 0.95);
         Self {
             mean: values.iter().sum::<f64>() / values.len().max(1) as f64,
             median: quantile(&values, 0.5),
-            p95: quantile(&values, 0.95),
+            p95,
             most,
-            histogram: histogram(&values, most),
+            histogram: histogram(&values, most, 2.0 * p95),
         }
     }
 }
 
-/// Columns of the same width, whole numbers wide, from 0 to beyond the most.
-fn histogram(values: &[f64], most: f64) -> Vec<Bin> {
-    let width = ((most + 1.0) / COLUMNS as f64).ceil().max(1.0);
+/// Columns of the same width, whole numbers wide, from 0 to about `usual`, the last one to beyond the most: a few values far
+/// out would leave the rest in one column.
+fn histogram(values: &[f64], most: f64, usual: f64) -> Vec<Bin> {
+    let width = ((most.min(usual) + 1.0) / COLUMNS as f64).ceil().max(1.0);
     let columns = ((most / width) as usize + 1).min(COLUMNS + 1);
     let mut counts = vec![0usize; columns];
     for value in values {
@@ -66,7 +68,11 @@ fn histogram(values: &[f64], most: f64) -> Vec<Bin> {
     }
     let bin = |(column, count): (usize, &usize)| Bin {
         from: column as f64 * width,
-        to: (column + 1) as f64 * width,
+        to: if column + 1 < columns {
+            (column + 1) as f64 * width
+        } else {
+            (most + 1.0).max((column + 1) as f64 * width)
+        },
         share: *count as f64 / values.len().max(1) as f64,
     };
     if values.is_empty() {
@@ -89,6 +95,10 @@ mod tests {
         assert_eq!((bins[0].from, bins[0].to), (0.0, 3.0));
         assert!((bins[0].share - 3.0 / 101.0).abs() < 1e-12);
         assert!(bins.last().unwrap().to > 100.0);
+        let mut values = vec![1.0; 99];
+        values.push(1e6);
+        let bins = Distribution::of(values).histogram;
+        assert!(bins.len() > 2 && bins[1].share == 0.99 && bins.last().unwrap().to > 1e6, "one far out");
         assert_eq!(Distribution::of(vec![0.0; 5]).histogram.len(), 1);
         assert!(Distribution::of(Vec::new()).histogram.is_empty());
     }
