@@ -243,7 +243,7 @@ pub struct Tray {
 impl Tray {
     /// Of this thread, in a block of at most 256 threads.
     #[inline(always)]
-    pub fn new() -> Self {
+    pub fn mine() -> Self {
         #[cfg(target_arch = "nvptx64")]
         {
             let block: u32;

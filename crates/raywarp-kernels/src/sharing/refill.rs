@@ -13,8 +13,8 @@ use crate::traverse::bvh2::{Bvh2, MAX_DEPTH};
 use crate::traverse::Uncounted;
 use crate::view::{View, ViewMut};
 
-/// A warp asks for rays where fewer of its threads have one.
-const LEAST: u32 = 20 * WARP / 32;
+/// A warp asks for rays where fewer of 32 threads have one.
+const LEAST: u32 = 20;
 
 /// Answers a batch by as many threads as fit on the device at once, from one queue.
 #[repr(C)]
@@ -62,7 +62,7 @@ impl<F: Form, Q: Question> Refill<F, Q> {
                     }
                 }
                 let busy = vote(index != MISS).count_ones();
-                if busy == 0 || (left && busy < LEAST) {
+                if busy == 0 || (left && busy * 32 < LEAST * WARP) {
                     break;
                 }
             }

@@ -3,7 +3,7 @@
 //!
 //! What waits on a stack is also known from one bit for each level of the way down: whether what is nearer there is done.
 //! A few cells are kept all the same, the newest, in registers. Where they have run out, the ray starts at the root again
-//! and follows the trail. Each step of the way depends on the way alone, see [`Cell::way`]: so the same leaves are visited
+//! and follows the trail. Each step of the way depends on the way alone, see `Cell::way`: so the same leaves are visited
 //! in the same order as with a stack, and only nodes are visited more often.
 
 use super::kdtree::{later, Cell, KdTree, Way, MAX_DEPTH};

@@ -97,7 +97,7 @@ pub trait Kept: Counter {
     const COUNTS: bool;
     /// What is kept of a pixel.
     type Record: Copy;
-    /// What there was of the pixel, and this; `ticks` is the time that the thread took, see [`arch::clock`].
+    /// What there was of the pixel, and this; `ticks` is the time that the thread took, see [`crate::arch::clock`].
     fn add_to(&self, record: Self::Record, ticks: u32) -> Self::Record;
 }
 

@@ -22,7 +22,7 @@ impl Structure for Staged {
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         let across = Across::new(ray);
-        let mut tray = arch::Tray::new();
+        let mut tray = arch::Tray::mine();
         let here = arch::together();
         let rank = (here & arch::lanes_below()).count_ones();
         let (width, count) = (here.count_ones(), self.triangles.len());
