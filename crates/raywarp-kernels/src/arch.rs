@@ -228,9 +228,9 @@ pub fn lanes_below() -> u32 {
     (1 << lane()) - 1
 }
 
-/// Most threads of a block.
+/// Most threads of a block of the kernels that have trays: `cargo xtask ptx` allows them no more.
 #[cfg(target_arch = "nvptx64")]
-const TRAYS: u32 = 256;
+const TRAYS: u32 = 128;
 
 /// A place for a triangle in memory that the threads of a warp share.
 pub struct Tray {
@@ -241,7 +241,7 @@ pub struct Tray {
 }
 
 impl Tray {
-    /// Of this thread, in a block of at most 256 threads.
+    /// Of this thread, in a block of at most 128 threads.
     #[inline(always)]
     pub fn mine() -> Self {
         #[cfg(target_arch = "nvptx64")]
@@ -327,7 +327,7 @@ impl Tray {
 /// Adds to a number that other threads add to as well; returns what it was.
 ///
 /// # Safety
-/// `number` is valid for the launch, and only ever touched by this.
+/// `number` is valid for the launch, in which only this and [`read`] touch it.
 #[inline(always)]
 pub unsafe fn add(number: *mut u32, more: u32) -> u32 {
     #[cfg(target_arch = "nvptx64")]

@@ -465,6 +465,7 @@ macro_rules! for_each_kernel {
             paths: $crate::sharing::paths::Paths,
             bounce: $crate::sharing::paths::Bounce,
             sort_tell: $crate::sharing::sort::Tell,
+            sort_sum: $crate::sharing::sort::Sum,
             sort_begin: $crate::sharing::sort::Begin,
             sort_move: $crate::sharing::sort::Move,
             develop: $crate::screen::Develop,

@@ -133,15 +133,13 @@ impl<T: Copy> ViewMut<T> {
         (index < self.len).then(|| unsafe { *self.address.add(index as usize) })
     }
 
-    /// Where the item at `index` is, for what several threads touch at once; null beyond the end.
+    /// Where the item at `index` is, for what several threads touch at once. Whoever made the view vouches that it is in
+    /// range.
     #[inline(always)]
     pub(crate) fn shared(&self, index: u32) -> *mut T {
-        if index < self.len {
-            // SAFETY: in range.
-            unsafe { self.address.add(index as usize) }
-        } else {
-            core::ptr::null_mut()
-        }
+        debug_assert!(index < self.len, "index {index} of {}", self.len);
+        // SAFETY: in range, as `new` was promised.
+        unsafe { self.address.add(index as usize) }
     }
 
     /// Writes the item at `index`; nothing beyond the end.

@@ -28,7 +28,7 @@ const TABLE: &[(&str, Bounds)] = &[
     ("whitted_bvh2", Bounds { registers: 128, ..ANY_BLOCK }),
     ("closest_bvh", TRACING),
     ("occluded_bvh", TRACING),
-    ("whitted_staged", Bounds { registers: 64, ..ANY_BLOCK }),
+    ("whitted_staged", Bounds { registers: 64, ..DEFAULT }),
     ("closest_ifif", TRACING),
     ("closest_whilewhile", TRACING),
     ("closest_speculative", TRACING),

@@ -90,7 +90,7 @@ pub struct Structure {
     /// Of all arrays.
     pub bytes: usize,
     pub build_seconds: f64,
-    /// By kind of rays. Kinds that would take too long by this structure are missing.
+    /// By kind of rays. What brute force could only do with too few rays to fill a GPU is missing.
     pub rates: Vec<Rate>,
     /// Whole frames, likewise.
     pub frames: Vec<FrameTime>,
@@ -180,7 +180,7 @@ pub struct Load {
     pub unit: &'static str,
     /// Over the threads, one a pixel.
     pub time: Distribution,
-    /// Mean over warps of the mean time of their threads over that of the slowest one; blocks likewise.
+    /// Mean over warps of the mean work of their pixels over the most, work being nodes and triangles; blocks likewise.
     pub warp_balance: f64,
     pub block_balance: f64,
     /// The heat map, as PNG, with the time that its brightest colour stands for.
@@ -246,7 +246,7 @@ pub struct PathWay {
     pub traced: u64,
     pub ms: Spread,
     pub mrays_per_s: f64,
-    /// Time of the sorting, part of the above; of launches and compaction the rest beyond tracing.
+    /// Mean time of the sorting, part of the above.
     pub sorting_ms: f64,
     /// Rate over that of one kernel.
     pub gain: f64,

@@ -23,8 +23,8 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let device = Device::open(options.device)?;
     say::fallback(&device);
     report::check(&options.output)?;
-    let setting = Setting::new(options, &device);
     let about = measure::about(&device, options.quick);
+    let setting = Setting::new(options, &device, &about);
     let mut study = Study { about, scenes: Vec::new(), growth: Vec::new(), notes: Vec::new() };
     for subject in &subjects {
         if let Some(reason) = subject.absent() {

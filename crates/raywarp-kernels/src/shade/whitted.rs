@@ -123,6 +123,7 @@ impl<S: Structure, C: Counter> Tracer<'_, S, C> {
             let highlight = power(clamp(mirrored.dot(light.towards), 0.0, 1.0), material.shininess);
             let answer = diffuse.mul_add(cosine, specular * highlight);
             if !answer.is_zero() {
+                self.counter.light(index);
                 sum += answer * light.color * self.transmittance(surface, &light);
             }
         }

@@ -9,7 +9,7 @@ use crate::traverse::Counter;
 
 /// A loop over a search's steps.
 pub trait Form: Copy + Send + Sync {
-    /// Some steps, at least one, of a search that is not over.
+    /// Some steps of a search that is not over; of those that take turns together, one takes a step at least.
     fn turn<Q: Question>(search: &mut Search<Q>, counter: &mut impl Counter);
 }
 

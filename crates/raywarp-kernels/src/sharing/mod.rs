@@ -40,6 +40,18 @@ impl Tally {
         unsafe { crate::arch::broadcast(u32::MAX, before, 0) }
     }
 
+    /// What the number is about now, to one thread of the warp; all get it. All threads of the warp are here.
+    #[inline(always)]
+    pub fn look(&self) -> u32 {
+        let mut now = 0;
+        if crate::arch::lane() == 0 {
+            // SAFETY: the promise of whoever launches.
+            now = unsafe { crate::arch::read(self.0) };
+        }
+        // SAFETY: all threads of the warp are here.
+        unsafe { crate::arch::broadcast(u32::MAX, now, 0) }
+    }
+
     /// Sets the number back, once no other thread will touch it in this launch.
     #[inline(always)]
     pub fn clear(&self) {

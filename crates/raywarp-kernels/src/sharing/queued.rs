@@ -49,10 +49,14 @@ impl<Q: Question> Queued<Q> {
         let mut search = Search::<Q>::idle(&self.tree, &mut room);
         let mut tries = 0;
         while tries < self.tries {
-            let first = queue * share;
-            let unit = first + Tally::new(&self.taken, queue).take(1);
-            if unit < (first + share).min(units) {
-                self.answer(unit * WARP + arch::lane(), &mut search);
+            let first = (queue * share).min(units);
+            let count = share.min(units - first);
+            let tally = Tally::new(&self.taken, queue);
+            // Looking costs less than taking, and most queues of others are empty when it comes to stealing.
+            let taken = if tries > 0 { tally.look() } else { 0 };
+            let taken = if taken < count { tally.take(1) } else { taken };
+            if taken < count {
+                self.answer((first + taken) * WARP + arch::lane(), &mut search);
             } else {
                 tries += 1;
                 queue = if queue + 1 < queues { queue + 1 } else { 0 };

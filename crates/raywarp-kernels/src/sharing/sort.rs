@@ -1,6 +1,7 @@
 //! Rays of a queue in an order in which neighbours go the same way: by octant of the direction and place of the origin.
 //!
-//! A counting sort: [`Tell`] finds each ray's bin and its number there, [`Begin`] where each bin begins, [`Move`] moves. Which
+//! A counting sort: [`Tell`] finds each ray's bin and its number there, [`Sum`] and [`Begin`] where each bin begins, [`Move`]
+//! moves. Which
 //! of a bin's rays comes first is left open.
 
 use super::paths::Waiting;
@@ -11,6 +12,15 @@ use crate::view::{View, ViewMut};
 
 /// Bits of a place along an axis.
 const BITS: u32 = 3;
+
+/// Cells along an axis.
+pub const CELLS: u32 = 1 << BITS;
+
+/// Bins that are added up together.
+const RUN: u32 = 64;
+
+/// Runs of bins.
+pub const RUNS: u32 = BINS / RUN;
 
 /// Bins: places, and octants within each.
 pub const BINS: u32 = 8 << (3 * BITS);
@@ -25,9 +35,9 @@ pub struct Tell {
     pub counts: View<u32>,
     /// Its index.
     pub bounce: u32,
-    /// Low corner of the scene, and cells over its size.
+    /// Low corner of the scene.
     pub low: Vec3,
-    /// Cells a scene unit.
+    /// Cells a scene unit, by axis.
     pub scale: Vec3,
     /// Rays of each bin: zero before.
     pub bins: ViewMut<u32>,
@@ -42,7 +52,7 @@ impl Tell {
             return;
         }
         let ray = self.queue.load(thread.x).ray;
-        let cell = |x: f32| arch::min(arch::max(x, 0.0), ((1 << BITS) - 1) as f32) as u32;
+        let cell = |x: f32| arch::min(arch::max(x, 0.0), (CELLS - 1) as f32) as u32;
         let place = (ray.origin - self.low) * self.scale;
         let (x, y, z) = (cell(place.x), cell(place.y), cell(place.z));
         let mut bin = 0;
@@ -61,12 +71,44 @@ impl Tell {
     }
 }
 
+/// Adds up runs of bins, one thread a run.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Sum {
+    /// Rays of each bin.
+    pub bins: View<u32>,
+    /// Rays of each run, written.
+    pub sums: ViewMut<u32>,
+}
+
+impl Sum {
+    #[inline(always)]
+    pub(crate) fn run(&self, thread: Thread) {
+        if thread.x < RUNS {
+            // SAFETY: one thread a run.
+            unsafe { self.sums.set(thread.x, total(&self.bins, thread.x * RUN, RUN)) };
+        }
+    }
+}
+
+/// Of so many numbers from the first on.
+#[inline(always)]
+fn total(numbers: &View<u32>, first: u32, count: u32) -> u32 {
+    let mut sum = 0;
+    for index in first..first + count {
+        sum += numbers.at(index);
+    }
+    sum
+}
+
 /// Finds where each bin begins, one thread a bin.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Begin {
     /// Rays of each bin.
     pub bins: View<u32>,
+    /// Rays of each run of bins.
+    pub sums: View<u32>,
     /// First place of each, written.
     pub begins: ViewMut<u32>,
 }
@@ -77,12 +119,10 @@ impl Begin {
         if thread.x >= self.bins.len() {
             return;
         }
-        let mut sum = 0;
-        for bin in 0..thread.x {
-            sum += self.bins.at(bin);
-        }
+        let run = thread.x / RUN;
+        let begin = total(&self.sums, 0, run) + total(&self.bins, run * RUN, thread.x % RUN);
         // SAFETY: one thread a bin.
-        unsafe { self.begins.set(thread.x, sum) };
+        unsafe { self.begins.set(thread.x, begin) };
     }
 }
 

@@ -75,6 +75,9 @@ pub trait Counter: Default {
     /// Shading takes up the next of the rays that wait: a camera ray, or one that a surface sends on.
     #[inline(always)]
     fn branch(&mut self) {}
+    /// The rays that follow, until the next branch, are towards a light.
+    #[inline(always)]
+    fn light(&mut self, _: u32) {}
     /// What follows, until the next call, belongs to a stage.
     #[inline(always)]
     fn stage(&mut self, _: Stage) {}

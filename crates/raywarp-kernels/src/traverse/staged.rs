@@ -47,11 +47,11 @@ impl Structure for Staged {
                         over = visitor.visit(&across, &triangle) < ray.t_min;
                     }
                 }
+                // Nobody overwrites what another still reads, in this search or in the next.
+                arch::meet(here);
                 if arch::ballot(here, !over) == 0 {
                     return;
                 }
-                // Nobody overwrites what another still reads.
-                arch::meet(here);
             }
             first += width;
         }

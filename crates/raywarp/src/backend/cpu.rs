@@ -38,7 +38,10 @@ pub(super) fn resident_threads() -> u32 {
 pub(super) unsafe fn launch<K: Kernel>(kernel: &K, extent: [u32; 2], block: Option<[u32; 2]>) -> f64 {
     let start = Instant::now();
     // One row means a batch of items, cut into runs.
-    let tile = block.unwrap_or(if extent[1] == 1 { [BATCH, 1] } else { TILE });
+    let tile = match (extent[1], block) {
+        (1, block) => [block.map_or(BATCH, |[columns, rows]| columns * rows), 1],
+        (_, block) => block.unwrap_or(TILE),
+    };
     let columns = extent[0].div_ceil(tile[0]) as u64;
     let tiles = columns * extent[1].div_ceil(tile[1]) as u64;
     let run = runner::<K>();

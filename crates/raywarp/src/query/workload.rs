@@ -17,11 +17,10 @@ use crate::{Hit, Ray, Triangle, Vec3};
 /// Columns and rows of a tile: 32 rays in a row are one.
 const TILE: [u32; 2] = [8, 4];
 
-/// In what order the rays of a picture's pixels are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// An order of a picture's pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelOrder {
-    /// Tiles of 8 x 4 pixels row by row, and so within each.
-    #[default]
+    /// Tiles of 8 columns and 4 rows, less at the edges of the picture, row by row, and so within each.
     Tiles,
     /// Row by row.
     Scan,
@@ -71,7 +70,6 @@ pub struct RaySource<'a> {
     camera: kernel::Camera,
     light: Vec3,
     size: [u32; 2],
-    order: PixelOrder,
 }
 
 /// Where secondary rays start.
@@ -111,13 +109,7 @@ impl<'a> RaySource<'a> {
             camera: camera::kernel_camera(camera, size)?,
             light: right.mul_add(LIGHT[0], up.mul_add(LIGHT[1], camera.eye.into())),
             size,
-            order: PixelOrder::default(),
         })
-    }
-
-    /// The same, with the pixels in another order.
-    pub fn ordered(self, order: PixelOrder) -> Self {
-        Self { order, ..self }
     }
 
     /// The point that shadow rays go to.
@@ -130,19 +122,23 @@ impl<'a> RaySource<'a> {
         (self.bounds[1] - self.bounds[0]).length()
     }
 
-    /// One ray through the middle of each pixel, in the order of the source: by default tile by tile, of 8 columns and 4
-    /// rows, less at the edges of the picture.
+    /// How far rays start above a surface, in scene units.
+    pub fn offset(&self) -> f32 {
+        OFFSET * self.diagonal()
+    }
+
+    /// One ray through the middle of each pixel, in the order of [`PixelOrder::Tiles`].
     pub fn primary(&self) -> Workload {
         let pixel = |[x, y]: [u32; 2]| {
             let centre = pixel_centre(x, y);
             self.camera.ray(centre.x, centre.y)
         };
-        Workload { kind: RayKind::Primary, rays: self.order.pixels(self.size).into_iter().map(pixel).collect() }
+        Workload { kind: RayKind::Primary, rays: tiled(self.size).map(pixel).collect() }
     }
 
     /// Where rays hit, in their order; without misses, and without triangles too small to have a normal.
     pub fn spots(&self, rays: &[Ray], hits: &[Hit]) -> Vec<Spot> {
-        let offset = OFFSET * self.diagonal();
+        let offset = self.offset();
         let spot = |(ray, hit): (&Ray, &Hit)| {
             let normal = normal(self.triangles.get(hit.primitive as usize)?)?;
             let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };

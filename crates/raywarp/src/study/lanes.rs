@@ -198,11 +198,21 @@ impl<'a, Q: Question> Warp<'a, Q> {
     }
 }
 
-/// What a pixel's thread did: rays in the order in which it traced them.
+/// What a pixel's thread did: its rays, in the order in which it traced them.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
-    /// The rays of each camera, mirrored or refracted ray: itself, and its shadow rays.
-    branches: Vec<Vec<Runs>>,
+    rays: Vec<(Rank, Runs)>,
+    /// Of the next ray.
+    rank: Rank,
+}
+
+/// When a ray's turn is: which of the camera's, mirrored and refracted rays it belongs to, 0 for that ray itself or one more
+/// than the light that it goes to, and how many of the same came before.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+struct Rank {
+    branch: u32,
+    light: u32,
+    again: u32,
 }
 
 /// A ray as numbers of nodes and of triangles, in turn: some nodes, then a leaf.
@@ -210,17 +220,20 @@ type Runs = Vec<[u64; 2]>;
 
 impl Counter for Log {
     fn branch(&mut self) {
-        self.branches.push(Vec::new());
+        self.rank = Rank { branch: self.rank.branch + 1, ..Rank::default() };
+    }
+
+    fn light(&mut self, light: u32) {
+        self.rank = Rank { light: light + 1, again: 0, ..self.rank };
     }
 
     fn ray(&mut self) {
-        if let Some(branch) = self.branches.last_mut() {
-            branch.push(Vec::new());
-        }
+        self.rays.push((self.rank, Vec::new()));
+        self.rank.again += 1;
     }
 
     fn node(&mut self) {
-        let Some(runs) = self.ray_under_way() else { return };
+        let Some((_, runs)) = self.rays.last_mut() else { return };
         match runs.last_mut() {
             Some([nodes, 0]) => *nodes += 1,
             _ => runs.push([1, 0]),
@@ -228,40 +241,33 @@ impl Counter for Log {
     }
 
     fn leaf(&mut self) {
-        let Some(runs) = self.ray_under_way() else { return };
+        let Some((_, runs)) = self.rays.last_mut() else { return };
         if !matches!(runs.last(), Some([_, 0])) {
             runs.push([0, 0]);
         }
     }
 
     fn triangle(&mut self) {
-        if let Some([_, triangles]) = self.ray_under_way().and_then(|runs| runs.last_mut()) {
+        if let Some([_, triangles]) = self.rays.last_mut().and_then(|(_, runs)| runs.last_mut()) {
             *triangles += 1;
         }
     }
 }
 
-impl Log {
-    fn ray_under_way(&mut self) -> Option<&mut Runs> {
-        self.branches.last_mut()?.last_mut()
-    }
-}
-
-/// Follows a warp of pixels through all of their rays, with the loop that renders: while-while. Rays of the same rank among
-/// the mirrored and refracted ones, and of the same rank among their shadow rays, run in step. A lane that has none of that
-/// rank counts as `shading`; one that has no ray of a later rank either, as `finished`.
+/// Follows a warp of pixels through all of their rays, with the loop that renders: while-while. The n-th camera, mirrored or
+/// refracted rays of all lanes run in step, and so do the rays from there to the same light. A lane that has no such ray
+/// counts as `shading`; one that has no later ray either, as `finished`.
 pub fn frame(pixels: &[Log]) -> LaneSteps {
+    let mut ranks: Vec<Rank> = pixels.iter().flat_map(|log| log.rays.iter().map(|(rank, _)| *rank)).collect();
+    ranks.sort_unstable();
+    ranks.dedup();
     let mut sum = LaneSteps::default();
-    let branches = pixels.iter().map(|log| log.branches.len()).max().unwrap_or(0);
-    for branch in 0..branches {
-        let of_branch: Vec<Option<&Vec<Runs>>> = pixels.iter().map(|log| log.branches.get(branch)).collect();
-        let rays = of_branch.iter().flatten().map(|rays| rays.len()).max().unwrap_or(0);
-        for ray in 0..rays {
-            let of_ray = |rays: &Option<&Vec<Runs>>| rays.and_then(|rays| rays.get(ray)).cloned();
-            let runs: Vec<Option<Runs>> = of_branch.iter().map(of_ray).collect();
-            let absent: Vec<bool> = of_branch.iter().map(Option::is_none).collect();
-            sum = sum.plus(in_step(&runs, &absent));
-        }
+    for rank in ranks {
+        let ray = |log: &Log| log.rays.iter().find(|(other, _)| *other == rank).map(|(_, runs)| runs.clone());
+        let runs: Vec<Option<Runs>> = pixels.iter().map(ray).collect();
+        let finished = |log: &Log| log.rays.last().is_none_or(|(last, _)| *last < rank);
+        let absent: Vec<bool> = pixels.iter().map(finished).collect();
+        sum = sum.plus(in_step(&runs, &absent));
     }
     sum
 }

@@ -2,7 +2,7 @@
 
 use raywarp_kernels::kernels::Kernel;
 use raywarp_kernels::sharing::paths::{Bounce, Paths, Trail, Waiting, Way};
-use raywarp_kernels::sharing::sort::{Begin, Move, Tell, BINS};
+use raywarp_kernels::sharing::sort::{Begin, Move, Sum, Tell, BINS, CELLS, RUNS};
 use raywarp_kernels::traverse;
 
 use crate::accel::bvh2::Bvh2;
@@ -21,6 +21,15 @@ pub enum Scheme {
     SortedWavefront,
 }
 
+/// What all surfaces are taken for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Surfaces {
+    /// They send rays on as mirrors do.
+    Mirrors,
+    /// They send rays on in random directions, cosine-weighted.
+    Diffuse,
+}
+
 /// A tree with the first rays of paths on a device.
 pub struct PathBatch {
     device: Device,
@@ -33,15 +42,17 @@ pub struct PathBatch {
     queues: [Buffer<Waiting>; 2],
     counts: Buffer<u32>,
     bins: Buffer<u32>,
+    sums: Buffer<u32>,
     begins: Buffer<u32>,
     places: Buffer<[u32; 2]>,
     bounds: [Vec3; 2],
     offset: f32,
     bounces: u32,
-    diffuse: bool,
+    surfaces: Surfaces,
 }
 
-/// Seconds of all kernels of a run.
+/// Seconds of all kernels of a run, added up: what passes between them is no part of it. Each bounce is launched with as many
+/// threads as there are paths, most of which may find nothing to do.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathTime {
     /// Together.
@@ -51,8 +62,8 @@ pub struct PathTime {
 }
 
 impl PathBatch {
-    /// Of triangles that are numbered by their place, with a tree over them. Surfaces are mirrors, or `diffuse`: they send
-    /// rays on in random directions, cosine-weighted. `offset`: how far rays start above a surface.
+    /// Of triangles that are numbered by their place, with a tree over them. At most `bounces` rays follow the first of a
+    /// path, and start `offset` above a surface, in scene units.
     ///
     /// # Errors
     /// The device has no room.
@@ -61,7 +72,8 @@ impl PathBatch {
         tree: &Bvh2,
         triangles: &[Triangle],
         rays: &[Ray],
-        [bounces, diffuse]: [u32; 2],
+        surfaces: Surfaces,
+        bounces: u32,
         offset: f32,
     ) -> Result<Self, DeviceError> {
         let each = size_of::<Ray>() + size_of::<Trail>() + 2 * size_of::<Waiting>() + size_of::<[u32; 2]>();
@@ -77,12 +89,13 @@ impl PathBatch {
             queues: [device.zeroed(rays.len())?, device.zeroed(rays.len())?],
             counts: device.zeroed(bounces as usize + 2)?,
             bins: device.zeroed(BINS as usize)?,
+            sums: device.zeroed(RUNS as usize)?,
             begins: device.zeroed(BINS as usize)?,
             places: device.zeroed(rays.len())?,
             bounds: flatten::bounds(triangles).map(Vec3::from),
             offset,
             bounces,
-            diffuse: diffuse != 0,
+            surfaces,
         })
     }
 
@@ -91,6 +104,8 @@ impl PathBatch {
     /// # Errors
     /// The device fails.
     pub fn follow(&mut self, scheme: Scheme) -> Result<PathTime, DeviceError> {
+        // What a scheme does not write must not look as if it had.
+        self.trails.clear()?;
         match scheme {
             Scheme::OneKernel => {
                 let kernel = Paths { way: self.way(), rays: self.rays.view(), trails: self.trails.view_mut() };
@@ -115,7 +130,7 @@ impl PathBatch {
             tree: traverse::Bvh2 { nodes, triangles, reach: self.reach },
             triangles: self.triangles.view(),
             offset: self.offset,
-            diffuse: u32::from(self.diffuse),
+            diffuse: u32::from(self.surfaces == Surfaces::Diffuse),
             bounces: self.bounces,
         }
     }
@@ -144,7 +159,7 @@ impl PathBatch {
 
     fn sort(&mut self, bounce: u32) -> Result<f64, DeviceError> {
         let [low, high] = self.bounds;
-        let cells = |i: u32| 8.0 / (high[i] - low[i]).max(f32::MIN_POSITIVE);
+        let cells = |i: u32| CELLS as f32 / (high[i] - low[i]).max(f32::MIN_POSITIVE);
         let scale = Vec3::new(cells(0), cells(1), cells(2));
         let [queue, other] = &mut self.queues;
         let (queue, sorted) = (queue.view(), other.view_mut());
@@ -157,12 +172,15 @@ impl PathBatch {
             bins: self.bins.view_mut(),
             places: self.places.view_mut(),
         };
-        let begin = Begin { bins: self.bins.view(), begins: self.begins.view_mut() };
+        let sum = Sum { bins: self.bins.view(), sums: self.sums.view_mut() };
+        let begin = Begin { bins: self.bins.view(), sums: self.sums.view(), begins: self.begins.view_mut() };
         let (places, begins, bins) = (self.places.view(), self.begins.view(), self.bins.view_mut());
         let arrange = Move { queue, counts: self.counts.view(), bounce, places, begins, bins, sorted };
         let threads = self.rays.len();
-        let seconds =
-            self.launch(&tell, threads)? + self.launch(&begin, BINS)? + self.launch(&arrange, threads.max(BINS))?;
+        let seconds = self.launch(&tell, threads)?
+            + self.launch(&sum, RUNS)?
+            + self.launch(&begin, BINS)?
+            + self.launch(&arrange, threads.max(BINS))?;
         self.queues.swap(0, 1);
         Ok(seconds)
     }
@@ -189,17 +207,16 @@ mod tests {
         let Accel::Bvh2(tree) = Accel::build(AccelKind::Bvh2, triangles.clone()).unwrap() else { panic!() };
         let source = RaySource::new(&triangles, &scene.cameras[0], [53, 31]).unwrap();
         let rays = source.primary().rays;
-        for diffuse in [0, 1] {
+        for surfaces in [Surfaces::Mirrors, Surfaces::Diffuse] {
             let offset = 1e-5 * source.diagonal();
-            let mut batch = PathBatch::new(&device, &tree, &triangles, &rays, [5, diffuse], offset).unwrap();
+            let mut batch = PathBatch::new(&device, &tree, &triangles, &rays, surfaces, 5, offset).unwrap();
             batch.follow(Scheme::OneKernel).unwrap();
             let expected = batch.trails().unwrap();
             assert!(expected.iter().all(|trail| (1..=6).contains(&trail.rays)));
             assert!(expected.iter().any(|trail| trail.rays > 2));
             for scheme in [Scheme::Wavefront, Scheme::SortedWavefront, Scheme::Wavefront] {
-                batch.trails.clear().unwrap();
                 batch.follow(scheme).unwrap();
-                assert!(batch.trails().unwrap() == expected, "{scheme:?}, diffuse: {diffuse}");
+                assert!(batch.trails().unwrap() == expected, "{scheme:?}, {surfaces:?}");
             }
         }
     }

@@ -66,6 +66,9 @@ impl Batch {
     /// # Errors
     /// The device has no room.
     pub fn new(device: &Device, tree: &Bvh2, rays: &[Ray], any_hit: bool) -> Result<Self, DeviceError> {
+        let answer = if any_hit { size_of::<u32>() } else { size_of::<Hit>() };
+        let bytes = tree.stats().bytes + (size_of::<Ray>() + answer) * rays.len();
+        device.reserve(bytes as u64, "a tree and rays")?;
         let room = match any_hit {
             true => Room::Occluded(device.zeroed(rays.len())?),
             false => Room::Closest(device.zeroed(rays.len())?),
@@ -102,6 +105,28 @@ impl Batch {
             Room::Closest(hits) => launch.time::<ClosestHit>(way, hits.view_mut()),
             Room::Occluded(occluded) => launch.time::<AnyHit>(way, occluded.view_mut()),
         }
+    }
+
+    /// Forgets the answers.
+    ///
+    /// # Errors
+    /// The device fails.
+    pub fn clear(&mut self) -> Result<(), DeviceError> {
+        match &mut self.room {
+            Room::Closest(hits) => hits.clear(),
+            Room::Occluded(occluded) => occluded.clear(),
+        }
+    }
+
+    /// Whether the numbers of the queues are back at zero. If they are not, launches after the first had nothing to do.
+    ///
+    /// # Errors
+    /// The device fails.
+    pub fn is_reset(&self) -> Result<bool, DeviceError> {
+        Ok(match &self.taken {
+            Some(taken) => taken.to_vec()?.iter().all(|&number| number == 0),
+            None => true,
+        })
     }
 
     /// The answers of the last time; before any, zeros.
@@ -171,7 +196,8 @@ impl Launch<'_> {
         };
         let taken = self.numbers(warps.div_ceil(warps_a_queue) + 1)?;
         let (tree, rays, question) = (self.tree, self.rays, PhantomData);
-        let kernel = Queued::<Q> { tree, rays, answers, taken, warps_a_queue, tries: TRIES, warps, question };
+        let tries = TRIES.min(warps.div_ceil(warps_a_queue));
+        let kernel = Queued::<Q> { tree, rays, answers, taken, warps_a_queue, tries, warps, question };
         self.run(&kernel, threads)
     }
 
@@ -236,9 +262,13 @@ mod tests {
                 };
                 for way in WAYS {
                     let mut batch = Batch::new(&device, &tree, rays, any_hit).unwrap();
-                    // Twice: the numbers of queues must be back at zero.
-                    assert_eq!(batch.time(way, [1, 2]).unwrap().len(), 2);
-                    assert!(batch.answers().unwrap() == expected, "{way:?}, {count} rays, any hit: {any_hit}");
+                    for threads in [64, 32, 128, 256] {
+                        batch.set_block(threads).unwrap();
+                        batch.clear().unwrap();
+                        assert_eq!(batch.time(way, [1, 2]).unwrap().len(), 2);
+                        assert!(batch.is_reset().unwrap(), "{way:?}, {count} rays, {threads} threads");
+                        assert!(batch.answers().unwrap() == expected, "{way:?}, {count} rays, any hit: {any_hit}");
+                    }
                 }
             }
         }

@@ -11,11 +11,14 @@ use crate::study::findings::{Bin, Distribution, TestCost};
 /// Columns of a histogram.
 const COLUMNS: usize = 40;
 
-/// What rays cost in each structure. Layouts of one tree cost about the same, and are left out but for the widest.
+/// What rays cost in each structure. Where two cost the same, or nearly, one is left out.
 pub fn tests(stage: &Stage, entrants: &[Entrant]) -> Vec<TestCost> {
     stage.say("counting tests");
     let told = |entrant: &&Entrant| {
-        !matches!(entrant.build.kind, AccelKind::Staged | AccelKind::Bvh | AccelKind::Bvh8 | AccelKind::Bvh8w)
+        !matches!(
+            entrant.build.kind,
+            AccelKind::Staged | AccelKind::Bvh2c | AccelKind::Bvh | AccelKind::Bvh8 | AccelKind::Bvh8w
+        )
     };
     let mut rows = Vec::new();
     for entrant in entrants.iter().filter(told) {

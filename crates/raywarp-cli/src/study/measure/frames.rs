@@ -18,7 +18,7 @@ const KINDS: [AccelKind; 7] = [
     AccelKind::KdSah,
     AccelKind::KdTrail,
     AccelKind::Bvh2,
-    AccelKind::Bvh,
+    AccelKind::Bvh2c,
 ];
 
 /// Those whose threads' load is shown.
@@ -125,7 +125,8 @@ fn shares(
 fn load(stage: &Stage, tracer: &Tracer, options: &RenderOptions, structure: &str, rays: &str) -> anyhow::Result<Load> {
     // The first time may be in cold caches.
     tracer.costs(&stage.camera, options)?;
-    let PixelCosts { ticks, .. } = tracer.costs(&stage.camera, options)?;
+    let PixelCosts { ticks, tests } = tracer.costs(&stage.camera, options)?;
+    let work: Vec<u32> = tests.iter().map(|tests| tests.nodes.saturating_add(tests.triangles)).collect();
     let time = Distribution::of(ticks.iter().map(|&ticks| f64::from(ticks)).collect());
     let [width, height] = options.size;
     // The slowest threads are few: a scale up to them would leave the picture black.
@@ -134,25 +135,25 @@ fn load(stage: &Stage, tracer: &Tracer, options: &RenderOptions, structure: &str
         structure: structure.to_owned(),
         rays: rays.to_owned(),
         unit: if stage.setting.device.is_cuda() { "cycles" } else { "ns" },
-        warp_balance: balance(&ticks, options.size, [8, 4]),
-        block_balance: balance(&ticks, options.size, [8, 16]),
+        warp_balance: balance(&work, options.size, [8, 4]),
+        block_balance: balance(&work, options.size, [8, 16]),
         picture: png::encode(&heatmap::colours(width, height, &ticks, top))?,
         brightest: f64::from(top),
         time,
     })
 }
 
-/// Mean over tiles of the mean time of their pixels over that of the slowest one.
-fn balance(ticks: &[u32], [width, height]: [u32; 2], [columns, rows]: [u32; 2]) -> f64 {
+/// Mean over tiles of the mean work of their pixels over the most.
+fn balance(work: &[u32], [width, height]: [u32; 2], [columns, rows]: [u32; 2]) -> f64 {
     let (mut sum, mut tiles) = (0.0, 0);
     for y0 in (0..height).step_by(rows as usize) {
         for x0 in (0..width).step_by(columns as usize) {
             let (x1, y1) = ((x0 + columns).min(width), (y0 + rows).min(height));
             let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y as usize * width as usize + x as usize));
-            let times: Vec<f64> = pixels.filter_map(|pixel| ticks.get(pixel)).map(|&ticks| f64::from(ticks)).collect();
-            let most = times.iter().copied().fold(0.0, f64::max);
+            let tile: Vec<f64> = pixels.filter_map(|pixel| work.get(pixel)).map(|&work| f64::from(work)).collect();
+            let most = tile.iter().copied().fold(0.0, f64::max);
             if most > 0.0 {
-                sum += times.iter().sum::<f64>() / times.len() as f64 / most;
+                sum += tile.iter().sum::<f64>() / tile.len() as f64 / most;
                 tiles += 1;
             }
         }
@@ -186,12 +187,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn balance_is_the_mean_over_the_slowest() {
-        // Two tiles of 8 x 4: one even, one with a single slow pixel.
-        let mut ticks = vec![10; 16 * 4];
-        ticks[8] = 320;
+    fn balance_is_the_mean_over_the_most() {
+        // Two tiles of 8 x 4: one even, one with a single costly pixel.
+        let mut work = vec![10; 16 * 4];
+        work[8] = 320;
         let expected = 0.5 * (1.0 + (31.0 * 10.0 + 320.0) / 32.0 / 320.0);
-        assert!((balance(&ticks, [16, 4], [8, 4]) - expected).abs() < 1e-12);
+        assert!((balance(&work, [16, 4], [8, 4]) - expected).abs() < 1e-12);
         assert_eq!(balance(&[0; 32], [8, 4], [8, 4]), 1.0);
     }
 }

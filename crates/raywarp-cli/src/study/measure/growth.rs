@@ -17,6 +17,9 @@ const BUILDS: [(AccelKind, Quality); 5] = [
     (AccelKind::Bvh2, Quality::High),
 ];
 
+/// Seconds after which a build is not repeated.
+const ENOUGH: f64 = 0.3;
+
 /// Times every builder on triangles strewn evenly in a cube, as large as the space for each: by thousands and their
 /// multiples by the root of ten.
 pub fn growth(setting: &Setting) -> anyhow::Result<Vec<Growth>> {
@@ -28,10 +31,11 @@ pub fn growth(setting: &Setting) -> anyhow::Result<Vec<Growth>> {
         let triangles = strewn(count);
         for (kind, quality) in BUILDS {
             let build = Build { kind, quality, cached: false };
-            let mut seconds = f64::INFINITY;
-            // The least of several: other work on the machine only adds. Long builds are not worth repeating.
-            for _ in 0..if count < 50_000 { 3 } else { 1 } {
-                seconds = seconds.min(Accel::build(build, triangles.clone())?.stats().build_seconds);
+            // The least of several: other work on the machine only adds.
+            let (mut seconds, mut spent) = (f64::INFINITY, 0.0);
+            while spent < ENOUGH {
+                let once = Accel::build(build, triangles.clone())?.stats().build_seconds;
+                (seconds, spent) = (seconds.min(once), spent + once.max(1e-6));
             }
             rows.push(Growth { builder: name(build).to_owned(), triangles: count as usize, seconds });
         }

@@ -52,7 +52,8 @@ fn row(form: LoopForm, rays: String, steps: &LaneSteps) -> LaneUse {
 
 /// The pixels of at most so many warps, evenly over the picture.
 fn tiles([width, height]: [u32; 2], most: usize) -> Vec<Vec<[u32; 2]>> {
-    let corners = || (0..height).step_by(4).flat_map(|y| (0..width).step_by(8).map(move |x| [x, y]));
+    let [columns, rows] = TILE.map(|side| side as usize);
+    let corners = || (0..height).step_by(rows).flat_map(move |y| (0..width).step_by(columns).map(move |x| [x, y]));
     let step = corners().count().div_ceil(most.max(1)).max(1);
     let tile = |[x0, y0]: [u32; 2]| {
         let (x1, y1) = ((x0 + TILE[0]).min(width), (y0 + TILE[1]).min(height));

@@ -12,6 +12,7 @@ mod structures;
 
 use raywarp::backend::Device;
 
+use super::findings::About;
 use super::options::StudyOptions;
 use crate::bench::Spread;
 
@@ -22,6 +23,8 @@ pub use scene::scene;
 /// How much to measure, and where.
 pub struct Setting<'a> {
     pub device: &'a Device,
+    /// See [`About::peak_flops`].
+    pub peak_flops: Option<f64>,
     pub quick: bool,
     /// Of pictures, in pixels.
     pub size: [u32; 2],
@@ -37,12 +40,13 @@ pub struct Setting<'a> {
 }
 
 impl<'a> Setting<'a> {
-    pub fn new(options: &StudyOptions, device: &'a Device) -> Self {
+    pub fn new(options: &StudyOptions, device: &'a Device, about: &About) -> Self {
         let gpu = device.is_cuda();
         let quick = options.quick;
         let size = options.size.unwrap_or(if quick { [240, 135] } else { [1920, 1080] });
         Self {
             device,
+            peak_flops: about.peak_flops,
             quick,
             size,
             least_rays: if quick { 0 } else { 2_000_000 },

@@ -2,7 +2,7 @@
 
 use raywarp::accel::Accel;
 use raywarp::query::RaySource;
-use raywarp::study::paths::{PathBatch, Scheme};
+use raywarp::study::paths::{PathBatch, Scheme, Surfaces};
 
 use super::milliseconds;
 use super::scene::Stage;
@@ -11,21 +11,18 @@ use crate::study::findings::PathWay;
 /// Rays after the first one, as the paper's scene has them.
 const BOUNCES: u32 = 5;
 
-/// How far rays start above a surface, in units of the scene's diagonal: as those of the workloads.
-const OFFSET: f32 = 1e-5;
-
 /// Mirrors and diffuse surfaces, by every scheme.
 pub fn paths(stage: &Stage) -> anyhow::Result<Vec<PathWay>> {
     stage.say("following paths");
     let mut rows = Vec::new();
     let Accel::Bvh2(tree) = &stage.tree else { return Ok(rows) };
     let source = RaySource::new(&stage.triangles, &stage.camera, stage.setting.size)?;
-    let offset = OFFSET * source.diagonal();
+    let offset = source.offset();
     let rays = source.primary().rays;
-    for (name, diffuse) in [("reflected", 0), ("diffuse", 1)] {
+    for (name, surfaces) in [("reflected", Surfaces::Mirrors), ("diffuse", Surfaces::Diffuse)] {
         let device = stage.setting.device;
-        let mut batch = PathBatch::new(device, tree, &stage.triangles, &rays, [BOUNCES, diffuse], offset)?;
-        let mut plain = None;
+        let mut batch = PathBatch::new(device, tree, &stage.triangles, &rays, surfaces, BOUNCES, offset)?;
+        let (mut plain, mut expected) = (None, None);
         for (way, scheme) in [
             ("one kernel", Scheme::OneKernel),
             ("wavefront", Scheme::Wavefront),
@@ -40,7 +37,12 @@ pub fn paths(stage: &Stage) -> anyhow::Result<Vec<PathWay>> {
                     sorting += time.sorting / f64::from(repeats);
                 }
             }
-            let traced: u64 = batch.trails()?.iter().map(|trail| u64::from(trail.rays)).sum();
+            let trails = batch.trails()?;
+            let traced: u64 = trails.iter().map(|trail| u64::from(trail.rays)).sum();
+            anyhow::ensure!(
+                *expected.get_or_insert_with(|| trails.clone()) == trails,
+                "paths differ between one kernel and {way}: one of them is wrong; report it"
+            );
             let ms = milliseconds(seconds);
             let mrays_per_s = 1e-3 * traced as f64 / ms.median.max(1e-9);
             let gain = mrays_per_s / *plain.get_or_insert(mrays_per_s);

@@ -26,6 +26,9 @@ pub struct Stage<'a> {
     pub tree: Accel,
     /// In tiles.
     pub workloads: Vec<Workload>,
+    /// The pixel, row by row, of each camera ray, and of each point where others start.
+    pixels: Vec<u32>,
+    spots: Vec<u32>,
 }
 
 impl Stage<'_> {
@@ -34,9 +37,22 @@ impl Stage<'_> {
         say::line(&format!("{}: {what} ...", self.name));
     }
 
-    /// The rays of all kinds, with the pixels in some order.
-    pub fn workloads(&self, order: PixelOrder) -> anyhow::Result<Vec<Workload>> {
-        workloads(self.setting, &self.triangles, &self.camera, &self.tree, order)
+    /// The same rays of a kind, in the order of their pixels along another way through the picture.
+    pub fn reordered(&self, workload: &Workload, order: PixelOrder) -> Workload {
+        let starts = match workload.kind {
+            RayKind::Primary => &self.pixels,
+            _ => &self.spots,
+        };
+        // Rank of each pixel in that order; rays that start again from the first one on stay behind the others.
+        let [width, height] = self.setting.size;
+        let mut rank = vec![0; width as usize * height as usize];
+        for (place, [x, y]) in order.pixels(self.setting.size).into_iter().enumerate() {
+            rank[(y * width + x) as usize] = place;
+        }
+        let key = |index: usize| (index / starts.len(), rank[starts[index % starts.len()] as usize]);
+        let mut indices: Vec<usize> = (0..workload.rays.len()).collect();
+        indices.sort_by_key(|&index| key(index));
+        Workload { kind: workload.kind, rays: indices.into_iter().map(|index| workload.rays[index]).collect() }
     }
 }
 
@@ -57,12 +73,20 @@ pub fn scene(
     anyhow::ensure!(!triangles.is_empty(), "the scene '{}' has no triangle that a ray can hit", subject.name);
     let camera = subject.view.adjust(default_camera(scene, &triangles));
     let tree = Accel::build(PLAIN, triangles.clone())?;
-    let workloads = workloads(setting, &triangles, &camera, &tree, PixelOrder::Tiles)?;
+    let source = RaySource::new(&triangles, &camera, setting.size)?;
+    let primary = source.primary();
+    let hits = RayCaster::of(&tree, setting.device)?.hits(&primary.rays)?;
+    let all = source.spots(&primary.rays, &hits);
+    let workloads: Vec<_> = KINDS.iter().map(|&kind| source.workload(kind, &all, setting.least_rays)).collect();
+    let pixels: Vec<u32> =
+        PixelOrder::Tiles.pixels(setting.size).iter().map(|[x, y]| y * setting.size[0] + x).collect();
+    let seen = |index: &usize| !source.spots(&primary.rays[*index..=*index], &hits[*index..=*index]).is_empty();
+    let spots = (0..pixels.len()).filter(seen).map(|index| pixels[index]).collect();
     if workloads.iter().any(|workload| workload.rays.is_empty()) {
         notes.push(format!("{}: the camera sees nothing that rays could start from", subject.name));
     }
-    let stage = Stage { setting, name: &subject.name, scene, camera, triangles, tree, workloads };
-    let mut entrants = structures::entrants(&stage)?;
+    let stage = Stage { setting, name: &subject.name, scene, camera, triangles, tree, workloads, pixels, spots };
+    let entrants = structures::entrants(&stage)?;
     let tests = costs::tests(&stage, &entrants);
     let rates = structures::rates(&stage, &entrants)?;
     let found = frames::frames(&stage)?;
@@ -70,7 +94,7 @@ pub fn scene(
         name: subject.name.clone(),
         triangles: stage.triangles.len(),
         picture: setting.size,
-        structures: structures::rows(&stage, &mut entrants, rates, &found.times),
+        structures: structures::rows(&stage, entrants, rates, &found.times),
         tests,
         shares: found.shares,
         loads: found.loads,
@@ -79,18 +103,4 @@ pub fn scene(
         sharing: sharing::sharing(&stage)?,
         paths: paths::paths(&stage)?,
     })
-}
-
-fn workloads(
-    setting: &Setting,
-    triangles: &[Triangle],
-    camera: &Camera,
-    tree: &Accel,
-    order: PixelOrder,
-) -> anyhow::Result<Vec<Workload>> {
-    let source = RaySource::new(triangles, camera, setting.size)?.ordered(order);
-    let primary = source.primary();
-    let caster = RayCaster::of(tree, setting.device)?;
-    let spots = source.spots(&primary.rays, &caster.hits(&primary.rays)?);
-    Ok(KINDS.iter().map(|&kind| source.workload(kind, &spots, setting.least_rays)).collect())
 }

@@ -1,12 +1,13 @@
 //! Ways to share out a batch of rays among threads.
 
 use raywarp::accel::Accel;
-use raywarp::query::{PixelOrder, Workload};
+use raywarp::query::{Answers, PixelOrder, Workload};
 use raywarp::study::lanes::LoopForm;
 use raywarp::study::{Batch, Queues, Way};
 
 use super::rate;
 use super::scene::Stage;
+use crate::bench::Spread;
 use crate::study::findings::Sharing;
 
 /// What everything is compared with.
@@ -16,17 +17,18 @@ const PLAIN: Way = Way::Direct(LoopForm::WhileWhile);
 pub fn sharing(stage: &Stage) -> anyhow::Result<Vec<Sharing>> {
     stage.say("sharing out the work");
     let mut rows = Vec::new();
-    let orders = [PixelOrder::Tiles, PixelOrder::Scan, PixelOrder::Morton];
-    let ordered: Vec<_> = orders.iter().map(|&order| stage.workloads(order)).collect::<Result<_, _>>()?;
-    for (index, workload) in stage.workloads.iter().enumerate() {
-        if workload.rays.is_empty() {
-            continue;
-        }
+    for workload in stage.workloads.iter().filter(|workload| !workload.rays.is_empty()) {
+        let expected = answers(stage, workload)?;
         let mut group = |name: &str, ways: &[Variant]| -> anyhow::Result<()> {
             let mut plain = None;
             for &(way, variant) in ways {
-                let rays = variant.order.and_then(|order| ordered.get(order)?.get(index)).unwrap_or(workload);
-                let speed = time(stage, rays, variant)?;
+                let (speed, found) = time(stage, workload, variant)?;
+                // In another order the answers are those of other places.
+                anyhow::ensure!(
+                    variant.order != PixelOrder::Tiles || found == expected,
+                    "{} rays are answered differently by {way}: it is wrong; report it",
+                    workload.kind
+                );
                 let (plain, median) = (*plain.get_or_insert(speed.median), speed.median);
                 rows.push(Sharing {
                     group: name.to_owned(),
@@ -50,25 +52,29 @@ pub fn sharing(stage: &Stage) -> anyhow::Result<Vec<Sharing>> {
 #[derive(Clone, Copy)]
 struct Choice {
     way: Way,
-    order: Option<usize>,
+    order: PixelOrder,
     block: Option<u32>,
 }
 
 type Variant = (&'static str, Choice);
 
 const fn by(way: Way) -> Choice {
-    Choice { way, order: None, block: None }
+    Choice { way, order: PixelOrder::Tiles, block: None }
 }
 
-const fn ordered(order: usize) -> Choice {
-    Choice { order: Some(order), ..by(PLAIN) }
+const fn ordered(order: PixelOrder) -> Choice {
+    Choice { order, ..by(PLAIN) }
 }
 
 const fn in_blocks(threads: u32) -> Choice {
     Choice { block: Some(threads), ..by(PLAIN) }
 }
 
-const ORDERS: [Variant; 3] = [("tiles of 8x4 pixels", ordered(0)), ("scan line", ordered(1)), ("Morton", ordered(2))];
+const ORDERS: [Variant; 3] = [
+    ("tiles of 8x4 pixels", ordered(PixelOrder::Tiles)),
+    ("scan line", ordered(PixelOrder::Scan)),
+    ("Morton", ordered(PixelOrder::Morton)),
+];
 
 const BLOCKS: [Variant; 4] =
     [("64", in_blocks(64)), ("32", in_blocks(32)), ("128", in_blocks(128)), ("256", in_blocks(256))];
@@ -89,11 +95,31 @@ const QUEUES: [Variant; 6] = [
     ("refill, speculative", by(Way::RefillSpeculative)),
 ];
 
-fn time(stage: &Stage, workload: &Workload, choice: Choice) -> anyhow::Result<crate::bench::Spread> {
-    let Accel::Bvh2(tree) = &stage.tree else { anyhow::bail!("the tree is no bvh2") };
-    let mut batch = Batch::new(stage.setting.device, tree, &workload.rays, workload.kind.any_hit())?;
+/// The answers of the plain way.
+fn answers(stage: &Stage, workload: &Workload) -> anyhow::Result<Answers> {
+    let mut batch = batch(stage, workload)?;
+    batch.time(PLAIN, [0, 1])?;
+    Ok(batch.answers()?)
+}
+
+fn time(stage: &Stage, workload: &Workload, choice: Choice) -> anyhow::Result<(Spread, Answers)> {
+    let mut batch = match choice.order {
+        PixelOrder::Tiles => batch(stage, workload)?,
+        order => batch(stage, &stage.reordered(workload, order))?,
+    };
     if let Some(threads) = choice.block {
         batch.set_block(threads)?;
     }
-    Ok(rate(workload.rays.len(), batch.time(choice.way, stage.setting.times)?))
+    let seconds = batch.time(choice.way, stage.setting.times)?;
+    anyhow::ensure!(
+        batch.is_reset()?,
+        "the queues of {:?} were not set back: its times are wrong; report it",
+        choice.way
+    );
+    Ok((rate(workload.rays.len(), seconds), batch.answers()?))
+}
+
+fn batch(stage: &Stage, workload: &Workload) -> anyhow::Result<Batch> {
+    let Accel::Bvh2(tree) = &stage.tree else { anyhow::bail!("the tree is no bvh2") };
+    Ok(Batch::new(stage.setting.device, tree, &workload.rays, workload.kind.any_hit())?)
 }

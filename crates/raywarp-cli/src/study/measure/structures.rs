@@ -13,6 +13,9 @@ use crate::study::findings::{Rate, Structure};
 /// three determinants of two products. Comparisons are not counted, nor what only hits need.
 const TEST_FLOPS: f64 = 9.0 + 6.0 * 5.0 + 3.0 * 3.0;
 
+/// Rays that fill a large GPU a few times.
+const FEWEST: usize = 500_000;
+
 /// A structure that was built.
 pub struct Entrant {
     pub name: &'static str,
@@ -22,7 +25,7 @@ pub struct Entrant {
 }
 
 /// What is compared, and what it is called.
-const STRUCTURES: [(AccelKind, Quality, &str); 13] = [
+const STRUCTURES: [(AccelKind, Quality, &str); 14] = [
     (AccelKind::Brute, Quality::Medium, "brute force"),
     (AccelKind::Staged, Quality::Medium, "brute force, staged"),
     (AccelKind::Kd, Quality::Medium, "k-d tree of the paper"),
@@ -31,6 +34,7 @@ const STRUCTURES: [(AccelKind, Quality, &str); 13] = [
     (AccelKind::Bvh2, Quality::Fast, "BVH2, fast"),
     (AccelKind::Bvh2, Quality::Medium, "BVH2, medium"),
     (AccelKind::Bvh2, Quality::High, "BVH2, high"),
+    (AccelKind::Bvh2c, Quality::Medium, "BVH2, 16 bits"),
     (AccelKind::Bvh, Quality::Medium, "BVH2 in two layouts"),
     (AccelKind::Bvh4, Quality::Medium, "BVH4, 8 bits"),
     (AccelKind::Bvh8, Quality::Medium, "BVH8, compressed"),
@@ -70,23 +74,26 @@ pub fn rates(stage: &Stage, entrants: &[Entrant]) -> anyhow::Result<Vec<Vec<Rate
     let of = |entrant: &Entrant| {
         stage.say(&format!("rays by {}", entrant.name));
         let caster = RayCaster::of(&entrant.accel, stage.setting.device)?;
-        let of_kind = |workload: &Workload| rate_of(stage, entrant, &caster, workload);
-        stage.workloads.iter().filter(|workload| !workload.rays.is_empty()).map(of_kind).collect()
+        let of_kind = |workload: &Workload| rate_of(stage, entrant, &caster, workload).transpose();
+        stage.workloads.iter().filter(|workload| !workload.rays.is_empty()).filter_map(of_kind).collect()
     };
     entrants.iter().map(of).collect()
 }
 
-fn rate_of(stage: &Stage, entrant: &Entrant, caster: &RayCaster, workload: &Workload) -> anyhow::Result<Rate> {
-    let exhaustive = !entrant.build.kind.is_hierarchy() && entrant.accel.stats().leaves == 1;
+fn rate_of(stage: &Stage, entrant: &Entrant, caster: &RayCaster, workload: &Workload) -> anyhow::Result<Option<Rate>> {
+    let exhaustive = matches!(entrant.build.kind, AccelKind::Brute | AccelKind::Staged);
     let most = match exhaustive {
         true => (stage.setting.most_tests / stage.triangles.len() as u64) as usize,
         false => usize::MAX,
     };
+    if stage.setting.device.is_cuda() && most < workload.rays.len().min(FEWEST) {
+        return Ok(None);
+    }
     let rays = thinned(&workload.rays, most);
     let [warmup, repeats] = stage.setting.times;
     let [warmup, repeats] = if exhaustive { [1, repeats.min(3)] } else { [warmup, repeats] };
     let seconds = caster.timed(&rays, workload.kind.any_hit())?.time(warmup, repeats)?;
-    Ok(Rate { rays: workload.kind.to_string(), count: rays.len(), mrays_per_s: rate(rays.len(), seconds) })
+    Ok(Some(Rate { rays: workload.kind.to_string(), count: rays.len(), mrays_per_s: rate(rays.len(), seconds) }))
 }
 
 /// Every n-th run of 32 rays, with the smallest n that leaves at most `most`, or a single run.
@@ -96,8 +103,8 @@ fn thinned(rays: &[Ray], most: usize) -> Vec<Ray> {
 }
 
 /// What the report says of each.
-pub fn rows(stage: &Stage, entrants: &mut Vec<Entrant>, rates: Vec<Vec<Rate>>, frames: &[Timed]) -> Vec<Structure> {
-    let peak = super::about(stage.setting.device, false).peak_flops;
+pub fn rows(stage: &Stage, entrants: Vec<Entrant>, rates: Vec<Vec<Rate>>, frames: &[Timed]) -> Vec<Structure> {
+    let peak = stage.setting.peak_flops;
     let row = |(entrant, rates): (Entrant, Vec<Rate>)| {
         let (stats, build) = (entrant.accel.stats(), entrant.build);
         let frames = frames.iter().filter(|timed| timed.structure == entrant.name).map(|timed| timed.frame.clone());
@@ -123,5 +130,5 @@ pub fn rows(stage: &Stage, entrants: &mut Vec<Entrant>, rates: Vec<Vec<Rate>>, f
             rates,
         }
     };
-    std::mem::take(entrants).into_iter().zip(rates).map(row).collect()
+    entrants.into_iter().zip(rates).map(row).collect()
 }

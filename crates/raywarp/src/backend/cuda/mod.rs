@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use cudarc::driver::{sys, CudaContext, CudaFunction, CudaStream, DriverError};
+use cudarc::driver::{sys, CudaContext, CudaFunction, CudaStream, DriverError, LaunchConfig};
 use cudarc::nvrtc::Ptx;
 use raywarp_kernels::kernels::Kernel;
 
@@ -158,11 +158,25 @@ impl Cuda {
         ask().map_err(|error| self.failed(&format!("described the kernel {}", K::NAME), error))
     }
 
+    /// Refuses blocks that are larger than a kernel was compiled for.
+    pub fn check_block(&self, function: &CudaFunction, configuration: &LaunchConfig) -> Result<(), DeviceError> {
+        use sys::CUfunction_attribute::CU_FUNC_ATTRIBUTE_MAX_THREADS_PER_BLOCK;
+        let (columns, rows, _) = configuration.block_dim;
+        let most = function.get_attribute(CU_FUNC_ATTRIBUTE_MAX_THREADS_PER_BLOCK);
+        let most = most.map_err(|error| self.failed("described a kernel", error))?.max(0) as u32;
+        match columns * rows > most {
+            true => Err(DeviceError::Block { block: [columns, rows], most }),
+            false => Ok(()),
+        }
+    }
+
     /// Threads of a kernel that are on the device at once, launched in a single row.
     pub fn resident_threads<K: Kernel>(&self, block: Option<[u32; 2]>) -> Result<u32, DeviceError> {
         use sys::CUdevice_attribute::CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT;
         let function = self.function(K::NAME)?;
-        let (columns, rows, _) = stream::configuration([1, 1], block).block_dim;
+        let configuration = stream::configuration([1, 1], block);
+        self.check_block(&function, &configuration)?;
+        let (columns, rows, _) = configuration.block_dim;
         let ask = || -> Result<u32, DriverError> {
             let blocks = function.occupancy_max_active_blocks_per_multiprocessor(columns * rows, 0, None)?;
             let multiprocessors = self.context().attribute(CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT)?;

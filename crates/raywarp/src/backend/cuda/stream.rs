@@ -63,6 +63,7 @@ pub(super) unsafe fn launch<K: Kernel>(
         return Ok(started);
     }
     let function = gpu.function(K::NAME)?;
+    gpu.check_block(&function, &configuration)?;
     let parameters = Parameters(*kernel);
     let run = || -> Result<[CudaEvent; 2], DriverError> {
         let timing = Some(sys::CUevent_flags::CU_EVENT_DEFAULT);
@@ -95,6 +96,7 @@ pub(super) unsafe fn time<K: Kernel>(
         return Ok(vec![0.0; repeats as usize]);
     }
     let function = gpu.function(K::NAME)?;
+    gpu.check_block(&function, &configuration)?;
     let parameters = Parameters(*kernel);
     let launch = || -> Result<(), DriverError> {
         let mut launch = gpu.stream().launch_builder(&function);
@@ -123,9 +125,12 @@ fn is_empty(configuration: &LaunchConfig) -> bool {
     configuration.grid_dim.0 == 0 || configuration.grid_dim.1 == 0
 }
 
-/// Enough blocks for `extent`, of the usual shape if none is given.
+/// Enough blocks for `extent`, of the usual shape if none is given; of a single row for a single row.
 pub(super) fn configuration(extent: [u32; 2], block: Option<[u32; 2]>) -> LaunchConfig {
-    let block = block.unwrap_or(if extent[1] == 1 { [BLOCK_ROW, 1] } else { BLOCK });
+    let block = match (extent[1], block) {
+        (1, block) => [block.map_or(BLOCK_ROW, |[columns, rows]| columns * rows), 1],
+        (_, block) => block.unwrap_or(BLOCK),
+    };
     LaunchConfig {
         grid_dim: (extent[0].div_ceil(block[0]), extent[1].div_ceil(block[1]), 1),
         block_dim: (block[0], block[1], 1),

@@ -15,7 +15,7 @@ pub(super) fn show(page: &mut Page) {
     ));
     page.document.code(&study.about.command);
     page.document.say(format!(
-        "It follows {}, which the sections below call the paper, and gives what that reports beside each measurement.",
+        "It follows {}, which the sections below call the paper, and gives what that reports where it reports any.",
         paper::CITATION
     ));
     page.document.say("Of repeated measurements the median is given, with the least and the most in brackets.");

@@ -13,8 +13,9 @@ const GUIDE: &str = "N log N through the first point";
 pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.document.section("growth", "Growth of the time to build");
     page.document.say(
-        "Each builder is given ever more triangles and timed, by all threads of the CPU. A straight line in the plot is a \
-         power of the number of triangles.",
+        "Each builder is given ever more triangles, strewn evenly in a cube, and timed, by all threads of the CPU: the least \
+         of as many builds as fit into 0.3 s, and of one at least. A straight line in the plot is a power of the number \
+         of triangles; the thin line is N log N, and begins where the first builder does.",
     );
     let rows: Vec<&Growth> = page.study.growth.iter().collect();
     if rows.is_empty() {

@@ -18,8 +18,10 @@ const USES: [&str; 5] = [
 pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.document.section("lanes", "SIMD efficiency");
     page.document.say(
-        "Warps of 32 lanes are followed step by step, all lanes in step, through each form of the traversal loop. A step \
-         is a node or a triangle; useful are the lanes that do one of their own, and their share is the SIMD efficiency.",
+        "A model, the same on every device: warps of 32 lanes are followed on the CPU, all lanes in step, through each form \
+         of the traversal loop over a BVH2, medium. A step is a node or a triangle, and costs the same whatever it is; \
+         useful are the lanes that do one of their own, and their share is the SIMD efficiency. Warps are taken evenly \
+         over the batch or the picture. In frames, rays of the same bounce and towards the same light are in step.",
     );
     page.each_scene("counts of lanes", |scene| !scene.lanes.is_empty(), scene)
 }

@@ -10,9 +10,10 @@ use crate::study::findings::{Load, SceneStudy};
 pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.document.section("load", "Load");
     page.document.say(
-        "Every thread, one a pixel, measures its own time in a frame. The balance of a warp is the mean time of its \
-         threads over that of the slowest one: 100 % where all take as long. That of a block is likewise. The heat maps \
-         are the paper's figure 2.",
+        "Every thread, one a pixel, measures its own time in a frame, by the kernel that counts tests. On a GPU the threads \
+         of a warp wait for each other before the last clock is read, so their times are about the same. Balance is \
+         therefore by work, nodes and triangles of a pixel: the mean over the pixels of a warp over the most, 100 % where \
+         all have as much; that of a block of 8x16 likewise. The heat maps are what the paper's figure 2 shows.",
     );
     page.each_scene("times of threads", |scene| !scene.loads.is_empty(), scene)
 }

@@ -11,7 +11,8 @@ pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.document.say(
         "The same paths are traced by one kernel from end to end, and bounce by bounce with rays that have ended taken out \
          between the kernels (a wavefront). 'Reflected' takes every surface for a mirror, 'diffuse' bounces at random. The \
-         gain is the rate over that of one kernel.",
+         time is that of all kernels, added up, without what passes between them. The gain is the rate over that of one \
+         kernel.",
     );
     page.each_scene("paths", |scene| !scene.paths.is_empty(), scene)
 }

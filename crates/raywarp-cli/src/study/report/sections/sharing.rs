@@ -10,9 +10,16 @@ use crate::study::findings::{BlockShape, SceneStudy, Sharing};
 pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.document.section("sharing", "Sharing out the work");
     page.document.say(
-        "The same batches of rays are traced in several ways; the ways of a group differ in one thing alone. The gain is \
-         the rate over that of the group's plain way. Whole frames are rendered by blocks of several shapes as well.",
+        "The same rays are traced through a BVH2, medium, in several ways; the ways of a group differ in one thing alone. \
+         The gain is the rate over that of the group's plain way. Whole frames are rendered by blocks of several shapes \
+         as well.",
     );
+    if page.study.about.multiprocessors.is_none() {
+        page.document.say(
+            "On a CPU a warp is one thread and a block is what a thread does in a row: loops, queues and blocks are run \
+             here to show that they work, and say nothing about a GPU.",
+        );
+    }
     let [least, most] = paper::EXPECTED_GAIN;
     page.beside(&format!("it expects {least} to {most} times the speed from balancing the load while it runs."));
     let has = |scene: &SceneStudy| !scene.sharing.is_empty() || !scene.shapes.is_empty();

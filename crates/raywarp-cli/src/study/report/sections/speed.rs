@@ -16,8 +16,9 @@ pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.document.section("speed", "Speed by structure");
     page.document.say(
         "Batches of rays of a kind are traced by each structure, and whole frames are rendered: 'primary' without shadows \
-         and bounces, 'all' with shadows and five bounces. The time is that of the kernels. What would take too long by a \
-         structure is left out.",
+         and bounces, 'all' with shadows and five bounces. The time is that of the kernels. Brute force gets \
+         fewer rays where all would take too long, every n-th run of 32, and what it could only do with too few to fill \
+         a GPU is left out. Its share of the peak counts the arithmetic that every test needs, 48 operations.",
     );
     let [width, height] = paper::FIGURE_SIZE;
     page.beside(&format!(

@@ -11,8 +11,8 @@ use crate::study::findings::{SceneStudy, Structure};
 pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.document.section("structures", "Structures");
     page.document.say(
-        "Each structure is built over the same triangles by all threads of the CPU, and its arrays are counted. A \
-         reference is a triangle in a leaf; a triangle in several leaves is a reference in each. The cost is what the \
+        "Each structure is built over the same triangles, once, by all threads of the CPU, and its arrays are counted. \
+         Layouts of one BVH2 are made of it, and their time is that of both. A reference is a triangle in a leaf; a triangle in several leaves is a reference in each. The cost is what the \
          surface area heuristic expects of a ray, at one for a node and one for a triangle.",
     );
     let (triangles, references) = (count(paper::TRIANGLES), count(paper::REFERENCES));
