@@ -18,6 +18,7 @@ const GPU_TESTS: [[&str; 2]; 5] = [
     ["raywarp", "films"],
     ["raywarp-viewer", "live"],
     ["raywarp-viewer", "edits"],
+    ["raywarp", "sharing"],
 ];
 
 /// Most bytes that are still easily copied.

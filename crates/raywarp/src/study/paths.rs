@@ -191,33 +191,3 @@ impl PathBatch {
         unsafe { self.device.launch(kernel, [threads, 1]) }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::accel::{Accel, AccelKind};
-    use crate::backend::DeviceChoice;
-    use crate::query::{opaque_triangles, RaySource};
-
-    #[test]
-    fn all_schemes_follow_the_same_paths() {
-        let device = Device::open(DeviceChoice::Auto).unwrap();
-        let scene = crate::scene::load::builtin().unwrap().scene;
-        let triangles = opaque_triangles(&scene).unwrap();
-        let Accel::Bvh2(tree) = Accel::build(AccelKind::Bvh2, triangles.clone()).unwrap() else { panic!() };
-        let source = RaySource::new(&triangles, &scene.cameras[0], [53, 31]).unwrap();
-        let rays = source.primary().rays;
-        for surfaces in [Surfaces::Mirrors, Surfaces::Diffuse] {
-            let offset = 1e-5 * source.diagonal();
-            let mut batch = PathBatch::new(&device, &tree, &triangles, &rays, surfaces, 5, offset).unwrap();
-            batch.follow(Scheme::OneKernel).unwrap();
-            let expected = batch.trails().unwrap();
-            assert!(expected.iter().all(|trail| (1..=6).contains(&trail.rays)));
-            assert!(expected.iter().any(|trail| trail.rays > 2));
-            for scheme in [Scheme::Wavefront, Scheme::SortedWavefront, Scheme::Wavefront] {
-                batch.follow(scheme).unwrap();
-                assert!(batch.trails().unwrap() == expected, "{scheme:?}, {surfaces:?}");
-            }
-        }
-    }
-}
