@@ -4,6 +4,7 @@ mod common;
 
 use raywarp::accel::bvh2::Bvh2;
 use raywarp::accel::{Accel, AccelKind};
+use raywarp::backend::Device;
 use raywarp::query::{opaque_triangles, Answers, RayCaster, RayKind, RaySource};
 use raywarp::scene::Camera;
 use raywarp::study::lanes::LoopForm;
@@ -37,13 +38,16 @@ fn tree(triangles: &[Triangle]) -> Bvh2 {
 
 #[test]
 fn every_way_gives_every_ray_the_same_answer() {
-    let device = common::device();
+    common::devices().iter().for_each(answers_are_those_of_brute_force);
+}
+
+fn answers_are_those_of_brute_force(device: &Device) {
     let (triangles, camera) = subject();
     let tree = tree(&triangles);
     let source = RaySource::new(&triangles, &camera, [61, 37]).unwrap();
     let mut rays = source.primary().rays;
     rays.extend(source.workload(RayKind::Random, &[], 3000).rays);
-    let caster = RayCaster::new(triangles, AccelKind::Brute, &device).unwrap();
+    let caster = RayCaster::new(triangles, AccelKind::Brute, device).unwrap();
     for count in [0, 1, 31, rays.len()] {
         let rays = &rays[..count];
         for any_hit in [false, true] {
@@ -52,7 +56,7 @@ fn every_way_gives_every_ray_the_same_answer() {
                 false => Answers::Closest(caster.hits(rays).unwrap()),
             };
             for way in WAYS {
-                let mut batch = Batch::new(&device, &tree, rays, any_hit).unwrap();
+                let mut batch = Batch::new(device, &tree, rays, any_hit).unwrap();
                 for threads in [64, 32, 128, 256] {
                     batch.set_block(threads).unwrap();
                     batch.clear().unwrap();
@@ -67,13 +71,16 @@ fn every_way_gives_every_ray_the_same_answer() {
 
 #[test]
 fn all_schemes_follow_the_same_paths() {
-    let device = common::device();
+    common::devices().iter().for_each(paths_end_at_the_same_places);
+}
+
+fn paths_end_at_the_same_places(device: &Device) {
     let (triangles, camera) = subject();
     let tree = tree(&triangles);
     let source = RaySource::new(&triangles, &camera, [53, 31]).unwrap();
     let rays = source.primary().rays;
     for surfaces in [Surfaces::Mirrors, Surfaces::Diffuse] {
-        let mut batch = PathBatch::new(&device, &tree, &triangles, &rays, surfaces, 5, source.offset()).unwrap();
+        let mut batch = PathBatch::new(device, &tree, &triangles, &rays, surfaces, 5, source.offset()).unwrap();
         batch.follow(Scheme::OneKernel).unwrap();
         let expected = batch.trails().unwrap();
         assert!(expected.iter().all(|trail| (1..=6).contains(&trail.rays)));

@@ -12,7 +12,7 @@ use serde_json::Value;
 use crate::process;
 
 /// Integration tests that run on CUDA when asked to: package and name.
-const GPU_TESTS: [[&str; 2]; 5] = [
+const GPU_TESTS: [[&str; 2]; 6] = [
     ["raywarp", "conformance"],
     ["raywarp", "shading"],
     ["raywarp", "films"],
