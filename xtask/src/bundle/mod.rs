@@ -22,7 +22,7 @@ const GPU_TESTS: [[&str; 2]; 6] = [
 ];
 
 /// Most bytes that are still easily copied.
-const LIMIT: u64 = 120_000_000;
+const LIMIT: u64 = 150_000_000;
 
 /// Put the program, its GPU tests and the scenes into one folder.
 #[derive(clap::Args)]
