@@ -137,10 +137,29 @@ fn load(stage: &Stage, tracer: &Tracer, options: &RenderOptions, structure: &str
         unit: if stage.setting.device.is_cuda() { "cycles" } else { "ns" },
         warp_balance: balance(&work, options.size, [8, 4]),
         block_balance: balance(&work, options.size, [8, 16]),
-        picture: png::encode(&heatmap::colours(width, height, &ticks, top))?,
+        picture: heat_map(&ticks, [width, height], top)?,
         brightest: f64::from(top),
         time,
     })
+}
+
+/// Columns of a heat map at most: a report has many.
+const COLUMNS: u32 = 480;
+
+/// Colours for means over squares of pixels.
+fn heat_map(ticks: &[u32], [width, height]: [u32; 2], top: u32) -> anyhow::Result<Vec<u8>> {
+    let side = width.div_ceil(COLUMNS).max(1);
+    let [columns, rows] = [width, height].map(|pixels| (pixels / side).max(1));
+    let mean = |[column, row]: [u32; 2]| {
+        let (x0, y0) = (column * side, row * side);
+        let square = (y0..y0 + side).flat_map(|y| (x0..x0 + side).map(move |x| (y * width + x) as usize));
+        let (sum, count) = square
+            .filter_map(|pixel| ticks.get(pixel))
+            .fold((0u64, 0), |(sum, count), &ticks| (sum + u64::from(ticks), count + 1));
+        (sum / count.max(1)) as u32
+    };
+    let means: Vec<u32> = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row])).map(mean).collect();
+    Ok(png::encode(&heatmap::colours(columns, rows, &means, top))?)
 }
 
 /// Mean over tiles of the mean work of their pixels over the most.

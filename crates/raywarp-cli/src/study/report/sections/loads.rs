@@ -13,7 +13,8 @@ pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
         "Every thread, one a pixel, measures its own time in a frame, by the kernel that counts tests. On a GPU the threads \
          of a warp wait for each other before the last clock is read, so their times are about the same. Balance is \
          therefore by work, nodes and triangles of a pixel: the mean over the pixels of a warp over the most, 100 % where \
-         all have as much; that of a block of 8x16 likewise. The heat maps are what the paper's figure 2 shows.",
+         all have as much; that of a block of 8x16 likewise. The heat maps are what the paper's figure 2 shows; where \
+         the picture is wide, a dot is the mean over a square of pixels.",
     );
     page.each_scene("times of threads", |scene| !scene.loads.is_empty(), scene)
 }
