@@ -12,6 +12,7 @@ mod limits;
 mod man;
 mod options;
 mod output;
+mod paper;
 mod progress;
 mod query;
 mod render;

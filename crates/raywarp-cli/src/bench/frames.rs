@@ -13,12 +13,10 @@ use super::machine::Machine;
 use super::options::BenchOptions;
 use super::spread::Spread;
 use super::suite::BUILT_IN;
+use crate::paper;
 use crate::render::{limit_threads, read};
 use crate::report::TestCounts;
 use crate::say;
-
-/// Seconds that the paper gives for its figure of 17,000 triangles at 1920x1080, on a GPU that it does not name.
-const PAPER_SECONDS: f64 = 165.0;
 
 /// Repeats, if the options do not say.
 const REPEATS: u32 = 9;
@@ -119,7 +117,7 @@ impl Bench {
 
     /// Whether the picture is the one whose time the paper gives.
     fn is_the_papers(&self) -> bool {
-        self.scene == BUILT_IN && self.size == [1920, 1080]
+        self.scene == BUILT_IN && self.size == paper::FIGURE_SIZE
     }
 }
 
@@ -135,6 +133,6 @@ impl Row {
     }
 
     fn against_the_paper(&self) -> String {
-        format!(" {:.0} times as long |\n", PAPER_SECONDS * 1e3 / self.kernel_ms.median)
+        format!(" {:.0} times as long |\n", paper::FIGURE_SECONDS * 1e3 / self.kernel_ms.median)
     }
 }

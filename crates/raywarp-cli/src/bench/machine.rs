@@ -1,6 +1,6 @@
 //! What was measured on, and with what.
 
-use raywarp::backend::{survey, Device};
+use raywarp::backend::{survey, Device, DeviceInfo, Survey};
 use serde::Serialize;
 
 /// A device and the program.
@@ -26,7 +26,7 @@ impl Machine {
 
     pub fn of(device: &Device) -> Self {
         let survey = survey();
-        let gpu = survey.devices.iter().find(|gpu| Some(gpu.index) == device.cuda_index());
+        let gpu = among(&survey, device);
         Self {
             device: device.description(),
             cuda: gpu.and_then(|_| survey.driver.as_ref().ok().map(|driver| driver.version)),
@@ -35,4 +35,9 @@ impl Machine {
             commit: option_env!("RAYWARP_COMMIT"),
         }
     }
+}
+
+/// What the driver says of a CUDA device.
+pub fn among<'a>(survey: &'a Survey, device: &Device) -> Option<&'a DeviceInfo> {
+    survey.devices.iter().find(|gpu| Some(gpu.index) == device.cuda_index())
 }

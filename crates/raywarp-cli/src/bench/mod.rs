@@ -17,6 +17,7 @@ mod spread;
 mod suite;
 mod table;
 
+pub use machine::among;
 pub use options::BenchOptions;
 pub use spread::{quantile, Spread};
 pub use suite::{subjects, Subject, SubjectOptions};

@@ -1,5 +1,6 @@
 //! What a study found: everything that the report shows, and what its JSON holds.
 
+use raywarp::accel::TreeStats;
 use serde::Serialize;
 
 use crate::bench::Spread;
@@ -77,19 +78,9 @@ pub struct Structure {
     /// As `--accel` takes it, and `--tree` where it has several qualities.
     pub accel: String,
     pub tree: Option<String>,
-    pub nodes: usize,
-    pub leaves: usize,
-    /// Triangles of all leaves, each as often as it is there; beyond the first of their kind.
-    pub references: usize,
-    pub duplicates: usize,
-    /// Inner nodes on the longest way down; most triangles of a leaf.
-    pub depth: usize,
-    pub largest_leaf: usize,
-    /// Expected cost of a ray by the surface area heuristic, one for a node and one for a triangle.
-    pub sah_cost: f64,
-    /// Of all arrays.
-    pub bytes: usize,
-    pub build_seconds: f64,
+    /// Size, quality and time to build.
+    #[serde(flatten)]
+    pub stats: TreeStats,
     /// By kind of rays. What brute force could only do with too few rays to fill a GPU is missing.
     pub rates: Vec<Rate>,
     /// Whole frames, likewise.

@@ -2,12 +2,13 @@
 
 use raywarp::backend::{survey, Device, DeviceInfo};
 
+use crate::bench::among;
 use crate::study::findings::About;
 
 /// What the report's head says.
 pub fn about(device: &Device, quick: bool) -> About {
     let survey = survey();
-    let gpu = survey.devices.iter().find(|gpu| Some(gpu.index) == device.cuda_index());
+    let gpu = among(&survey, device);
     let driver = gpu.and_then(|_| survey.driver.as_ref().ok()).map(|driver| {
         let (major, minor) = driver.version;
         match kernel_module() {

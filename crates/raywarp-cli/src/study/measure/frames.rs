@@ -7,7 +7,7 @@ use raywarp::Triangle;
 
 use super::scene::{Stage, PLAIN};
 use super::structures::name;
-use super::{milliseconds, Setting};
+use super::{is_exhaustive, milliseconds, Setting};
 use crate::study::findings::{BlockShape, Distribution, FrameTime, Load, StageShares};
 
 /// Structures that render frames. Those that test every triangle only do where that takes no longer than a few seconds.
@@ -64,14 +64,14 @@ pub fn frames(stage: &Stage) -> anyhow::Result<Found> {
     }
     for kind in KINDS {
         let build = Build { kind, quality: Quality::Medium, cached: false };
-        if exhaustive(kind) && too_long(setting, &triangles) {
+        if is_exhaustive(kind) && too_long(setting, &triangles) {
             continue;
         }
         stage.say(&format!("frames by {}", name(build)));
         tracer.replace(Structure::build(setting.device, build, triangles.clone())?);
         for ((rays, options), &traced) in sorts.iter().zip(&traced) {
             let (rays, structure) = (*rays, name(build));
-            let ms = milliseconds(times(stage, &tracer, options, exhaustive(kind))?);
+            let ms = milliseconds(times(stage, &tracer, options, setting.times_of(kind))?);
             found.times.push(Timed { structure, frame: FrameTime { rays: rays.to_owned(), ms, traced } });
             found.shares.extend(shares(stage, &tracer, options, structure, rays)?);
             if LOADS.contains(&kind) {
@@ -85,18 +85,17 @@ pub fn frames(stage: &Stage) -> anyhow::Result<Found> {
     Ok(found)
 }
 
-fn exhaustive(kind: AccelKind) -> bool {
-    matches!(kind, AccelKind::Brute | AccelKind::Staged)
-}
-
 fn too_long(setting: &Setting, triangles: &[Triangle]) -> bool {
     let [width, height] = setting.size.map(u64::from);
     width * height * triangles.len() as u64 * RAYS_A_PIXEL > 10 * setting.most_tests
 }
 
-fn times(stage: &Stage, tracer: &Tracer, options: &RenderOptions, once: bool) -> anyhow::Result<Vec<f64>> {
-    let [warmup, repeats] = stage.setting.times;
-    let [warmup, repeats] = if once { [1, repeats.min(3)] } else { [warmup, repeats] };
+fn times(
+    stage: &Stage,
+    tracer: &Tracer,
+    options: &RenderOptions,
+    [warmup, repeats]: [u32; 2],
+) -> anyhow::Result<Vec<f64>> {
     let mut seconds = Vec::new();
     for index in 0..warmup + repeats {
         let rendering = tracer.render(&stage.camera, options, &mut |_| ())?;
@@ -194,7 +193,7 @@ fn shapes(
     let mut rows = Vec::new();
     for shape in SHAPES {
         tracer.set_block(Some(shape))?;
-        let ms = milliseconds(times(stage, tracer, options, false)?);
+        let ms = milliseconds(times(stage, tracer, options, stage.setting.times)?);
         rows.push(BlockShape { shape, rays: rays.to_owned(), ms });
     }
     tracer.set_block(None)?;

@@ -10,6 +10,7 @@ mod scene;
 mod sharing;
 mod structures;
 
+use raywarp::accel::AccelKind;
 use raywarp::backend::Device;
 
 use super::findings::About;
@@ -56,6 +57,22 @@ impl<'a> Setting<'a> {
             followed: if quick { 200 } else { 4000 },
         }
     }
+}
+
+impl Setting<'_> {
+    /// As [`times`](Self::times), and fewer for structures that take long.
+    fn times_of(&self, kind: AccelKind) -> [u32; 2] {
+        let [warmup, repeats] = self.times;
+        match is_exhaustive(kind) {
+            true => [1, repeats.min(3)],
+            false => [warmup, repeats],
+        }
+    }
+}
+
+/// Whether every ray may test every triangle.
+fn is_exhaustive(kind: AccelKind) -> bool {
+    matches!(kind, AccelKind::Brute | AccelKind::Staged)
 }
 
 /// Seconds as milliseconds.

@@ -5,8 +5,8 @@ use raywarp::query::{RayCaster, Workload};
 use raywarp::Ray;
 
 use super::frames::Timed;
-use super::rate;
 use super::scene::{Stage, PLAIN};
+use super::{is_exhaustive, rate};
 use crate::study::findings::{Rate, Structure};
 
 /// Arithmetic of a triangle's test on the way that most take: nine differences, six products of three with their sums,
@@ -21,7 +21,6 @@ pub struct Entrant {
     pub name: &'static str,
     pub build: Build,
     pub accel: Accel,
-    pub build_seconds: f64,
 }
 
 /// What is compared, and what it is called.
@@ -63,8 +62,7 @@ pub fn entrants(stage: &Stage) -> anyhow::Result<Vec<Entrant>> {
             }
             _ => Accel::build(build, stage.triangles.clone())?,
         };
-        let build_seconds = accel.stats().build_seconds;
-        entrants.push(Entrant { name, build, accel, build_seconds });
+        entrants.push(Entrant { name, build, accel });
     }
     Ok(entrants)
 }
@@ -81,8 +79,8 @@ pub fn rates(stage: &Stage, entrants: &[Entrant]) -> anyhow::Result<Vec<Vec<Rate
 }
 
 fn rate_of(stage: &Stage, entrant: &Entrant, caster: &RayCaster, workload: &Workload) -> anyhow::Result<Option<Rate>> {
-    let exhaustive = matches!(entrant.build.kind, AccelKind::Brute | AccelKind::Staged);
-    let most = match exhaustive {
+    let kind = entrant.build.kind;
+    let most = match is_exhaustive(kind) {
         true => (stage.setting.most_tests / stage.triangles.len() as u64) as usize,
         false => usize::MAX,
     };
@@ -90,8 +88,7 @@ fn rate_of(stage: &Stage, entrant: &Entrant, caster: &RayCaster, workload: &Work
         return Ok(None);
     }
     let rays = thinned(&workload.rays, most);
-    let [warmup, repeats] = stage.setting.times;
-    let [warmup, repeats] = if exhaustive { [1, repeats.min(3)] } else { [warmup, repeats] };
+    let [warmup, repeats] = stage.setting.times_of(kind);
     let seconds = caster.timed(&rays, workload.kind.any_hit())?.time(warmup, repeats)?;
     Ok(Some(Rate { rays: workload.kind.to_string(), count: rays.len(), mrays_per_s: rate(rays.len(), seconds) }))
 }
@@ -106,26 +103,17 @@ fn thinned(rays: &[Ray], most: usize) -> Vec<Ray> {
 pub fn rows(stage: &Stage, entrants: Vec<Entrant>, rates: Vec<Vec<Rate>>, frames: &[Timed]) -> Vec<Structure> {
     let peak = stage.setting.peak_flops;
     let row = |(entrant, rates): (Entrant, Vec<Rate>)| {
-        let (stats, build) = (entrant.accel.stats(), entrant.build);
+        let build = entrant.build;
         let frames = frames.iter().filter(|timed| timed.structure == entrant.name).map(|timed| timed.frame.clone());
         // Every camera ray tests every triangle.
         let tests = |rate: &Rate| rate.mrays_per_s.median * 1e6 * stage.triangles.len() as f64;
-        let brute = matches!(build.kind, AccelKind::Brute | AccelKind::Staged);
         let share = |peak: f64| rates.first().map(|rate| tests(rate) * TEST_FLOPS / peak);
         Structure {
             name: entrant.name.to_owned(),
             accel: build.kind.to_string(),
             tree: build.kind.is_hierarchy().then(|| build.quality.to_string()),
-            nodes: stats.nodes,
-            leaves: stats.leaves,
-            references: stats.references,
-            duplicates: stats.duplicates,
-            depth: stats.depth,
-            largest_leaf: stats.largest_leaf,
-            sah_cost: stats.sah_cost,
-            bytes: stats.bytes,
-            build_seconds: entrant.build_seconds,
-            share_of_peak: peak.filter(|_| brute).and_then(share),
+            stats: entrant.accel.stats(),
+            share_of_peak: peak.filter(|_| is_exhaustive(build.kind)).and_then(share),
             frames: frames.collect(),
             rates,
         }

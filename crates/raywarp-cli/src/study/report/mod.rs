@@ -1,13 +1,12 @@
 //! The report of a study: a page, the same as Markdown with its plots as files, and the data.
 //!
 //! [`sections`] turn the findings into a [`document`], which [`html`] and [`markdown`] render. [`plot`] draws, [`format`]
-//! writes numbers, and [`paper`] is what the paper reports.
+//! writes numbers, and [`paper`](crate::paper) is what the paper reports.
 
 mod document;
 mod format;
 mod html;
 mod markdown;
-mod paper;
 mod plot;
 mod sections;
 

@@ -1,5 +1,6 @@
 //! A study that nobody made, for tests: every number is invented.
 
+use raywarp::accel::TreeStats;
 use raywarp::image::{png, Rgb8};
 
 use crate::bench::Spread;
@@ -112,15 +113,17 @@ fn structure(index: f64, &(name, accel, tree): &(&str, &str, Option<&str>)) -> S
         name: name.to_owned(),
         accel: accel.to_owned(),
         tree: tree.map(str::to_owned),
-        nodes: 5000 * index as usize + 1,
-        leaves: 3000 * index as usize + 1,
-        references: if accel == "kd" { 31_000 } else { 10_000 + 300 * index as usize },
-        duplicates: if accel == "kd" { 21_000 } else { 300 * index as usize },
-        depth: 17,
-        largest_leaf: 12,
-        sah_cost: 123.4 / (index + 1.0),
-        bytes: 123_456 * (index as usize + 1),
-        build_seconds: 0.0031 * (index * index + 0.01),
+        stats: TreeStats {
+            nodes: 5000 * index as usize + 1,
+            leaves: 3000 * index as usize + 1,
+            references: if accel == "kd" { 31_000 } else { 10_000 + 300 * index as usize },
+            duplicates: if accel == "kd" { 21_000 } else { 300 * index as usize },
+            depth: 17,
+            largest_leaf: 12,
+            sah_cost: 123.4 / (index + 1.0),
+            bytes: 123_456 * (index as usize + 1),
+            build_seconds: 0.0031 * (index * index + 0.01),
+        },
         rates: RAYS.iter().zip([1.0, 1.7, 0.6, 0.2]).map(|(rays, factor)| rate(rays, factor)).collect(),
         frames: vec![frame("primary", 230_400), frame("all", 1_234_567)],
         share_of_peak: (accel == "brute").then_some(0.543),

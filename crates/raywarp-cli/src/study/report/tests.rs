@@ -220,7 +220,7 @@ fn disturb(scene: &mut SceneStudy, numbers: &[f64], distribution: impl Fn() -> D
     let mut next = || all.next().unwrap_or_default();
     scene.triangles = next() as usize;
     for one in &mut scene.structures {
-        (one.references, one.sah_cost, one.build_seconds, one.share_of_peak) =
+        (one.stats.references, one.stats.sah_cost, one.stats.build_seconds, one.share_of_peak) =
             (next() as usize, next(), next(), Some(next()));
         one.rates.iter_mut().for_each(|rate| rate.mrays_per_s = spread(&mut next));
         one.frames.iter_mut().for_each(|frame| frame.ms = spread(&mut next));

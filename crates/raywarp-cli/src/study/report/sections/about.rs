@@ -1,9 +1,9 @@
 //! What was measured, on what, and with what.
 
 use super::super::format::{count, number, NONE};
-use super::super::paper;
 use super::Page;
 use crate::columns::{left, right};
+use crate::paper;
 use crate::study::findings::{About, SceneStudy};
 
 pub(super) fn show(page: &mut Page) {

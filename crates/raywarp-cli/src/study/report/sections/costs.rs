@@ -1,10 +1,10 @@
 //! What rays cost.
 
 use super::super::format::{count, number, percent, round_percent};
-use super::super::paper;
 use super::super::plot::{Histograms, Panel};
 use super::Page;
 use crate::columns::{left, right};
+use crate::paper;
 use crate::study::findings::{SceneStudy, TestCost};
 
 /// The rays whose histograms are shown.

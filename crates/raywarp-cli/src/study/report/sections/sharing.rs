@@ -1,10 +1,10 @@
 //! Ways to share out the work.
 
 use super::super::format::{spread, times, NONE};
-use super::super::paper;
 use super::super::plot::{Bar, Bars, Group};
 use super::{distinct, Page};
 use crate::columns::{left, right, Column};
+use crate::paper;
 use crate::study::findings::{BlockShape, SceneStudy, Sharing};
 
 pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {

@@ -1,10 +1,10 @@
 //! Rays a second and time of a frame.
 
 use super::super::format::{count, number, percent, spread, times, NONE};
-use super::super::paper;
 use super::super::plot::{shortened, Bar, Bars, Group};
 use super::{distinct, Page};
 use crate::columns::{left, right, Column};
+use crate::paper;
 use crate::study::findings::{FrameTime, SceneStudy, Structure};
 
 /// Structures whose bars a legend can tell apart; with more of them each bar has its name.

@@ -1,10 +1,10 @@
 //! Where the time of a frame goes.
 
 use super::super::format::{percent, round_percent};
-use super::super::paper;
 use super::super::plot::{Palette, Stack, Stacked};
 use super::Page;
 use crate::columns::{left, right};
+use crate::paper;
 use crate::study::findings::{SceneStudy, StageShares};
 
 const STAGES: [&str; 3] = ["generation", "intersection", "shading"];

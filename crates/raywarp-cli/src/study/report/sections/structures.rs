@@ -1,10 +1,10 @@
 //! How large and how good the structures are, and how long they take to build.
 
 use super::super::format::{count, number, percent};
-use super::super::paper;
 use super::super::plot::{Bar, Bars, Group};
 use super::Page;
 use crate::columns::{left, right, Column};
+use crate::paper;
 use crate::say;
 use crate::study::findings::{SceneStudy, Structure};
 
@@ -12,8 +12,9 @@ pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.document.section("structures", "Structures");
     page.document.say(
         "Each structure is built over the same triangles, once, by all threads of the CPU, and its arrays are counted. \
-         Layouts of one BVH2 are made of it, and their time is that of both. A reference is a triangle in a leaf; a triangle in several leaves is a reference in each. The cost is what the \
-         surface area heuristic expects of a ray, at one for a node and one for a triangle.",
+         Layouts of one BVH2 are made of it, and their time is that of both. A reference is a triangle in a leaf; a \
+         triangle in several leaves is a reference in each. The cost is what the surface area heuristic expects of a ray, \
+         at one for a node and one for a triangle.",
     );
     let (triangles, references) = (count(paper::TRIANGLES), count(paper::REFERENCES));
     page.beside(&format!("{triangles} triangles become {references} references in the k-d tree."));
@@ -25,12 +26,12 @@ fn scene(page: &mut Page, scene: &SceneStudy) -> anyhow::Result<()> {
     page.document.table("Size, quality and time to build of each structure.", &columns(scene.triangles), &rows);
 
     let title = format!("{}: references over triangles", scene.name);
-    let value = |one: &Structure| growth(one.references, scene.triangles);
+    let value = |one: &Structure| growth(one.stats.references, scene.triangles);
     let svg = bars(page, scene, title, "references over triangles", Some(1.0), value).svg()?;
     page.plot(scene, "references", svg, "References over triangles; the line is one reference a triangle.");
 
     let title = format!("{}: time to build", scene.name);
-    let svg = bars(page, scene, title, "time to build, s (logarithmic)", None, |one| one.build_seconds).svg()?;
+    let svg = bars(page, scene, title, "time to build, s (logarithmic)", None, |one| one.stats.build_seconds).svg()?;
     page.plot(scene, "build", svg, "Time to build each structure, on a logarithmic axis.");
     Ok(())
 }
@@ -40,16 +41,16 @@ fn columns<'a>(triangles: usize) -> Vec<Column<'a, &'a Structure>> {
         left("structure", |one: &&Structure| one.name.clone()),
         left("accel", |one: &&Structure| one.accel.clone()),
         left("tree", |one: &&Structure| one.tree.clone().unwrap_or_default()),
-        right("nodes", |one: &&Structure| count(one.nodes)),
-        right("leaves", |one: &&Structure| count(one.leaves)),
-        right("references", |one: &&Structure| count(one.references)),
-        right("duplicates", |one: &&Structure| count(one.duplicates)),
-        right("duplicates over triangles", move |one: &&Structure| percent(growth(one.duplicates, triangles))),
-        right("depth", |one: &&Structure| count(one.depth)),
-        right("largest leaf", |one: &&Structure| count(one.largest_leaf)),
-        right("SAH cost", |one: &&Structure| number(one.sah_cost)),
-        right("memory", |one: &&Structure| say::bytes(one.bytes as u64)),
-        right("build,\u{a0}s", |one: &&Structure| number(one.build_seconds)),
+        right("nodes", |one: &&Structure| count(one.stats.nodes)),
+        right("leaves", |one: &&Structure| count(one.stats.leaves)),
+        right("references", |one: &&Structure| count(one.stats.references)),
+        right("duplicates", |one: &&Structure| count(one.stats.duplicates)),
+        right("duplicates over triangles", move |one: &&Structure| percent(growth(one.stats.duplicates, triangles))),
+        right("depth", |one: &&Structure| count(one.stats.depth)),
+        right("largest leaf", |one: &&Structure| count(one.stats.largest_leaf)),
+        right("SAH cost", |one: &&Structure| number(one.stats.sah_cost)),
+        right("memory", |one: &&Structure| say::bytes(one.stats.bytes as u64)),
+        right("build,\u{a0}s", |one: &&Structure| number(one.stats.build_seconds)),
     ]
 }
 

@@ -10,7 +10,7 @@ pub const REFERENCES: u32 = 53_000;
 
 /// How many times as fast as brute force its tree is, without secondary rays.
 pub const SPEED_UP: f64 = 3.0;
-/// What its figure of the mirrored box took, and the size of that.
+/// What its figure of the mirrored box took, on a GPU that it does not name, and the size of that.
 pub const FIGURE_SECONDS: f64 = 165.0;
 /// See [`FIGURE_SECONDS`].
 pub const FIGURE_SIZE: [u32; 2] = [1920, 1080];
