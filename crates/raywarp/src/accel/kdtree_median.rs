@@ -12,14 +12,11 @@ use raywarp_kernels::triangle::Triangle;
 
 use super::bounds::Bounds;
 use super::kdtree::KdTree;
-use super::kdtree_arrays::{deepest, share, Arrays, COPIES, MAX_TRIANGLES};
+use super::kdtree_arrays::{deepest, grow, Arrays, Cut, Cutter, COPIES, MAX_TRIANGLES};
 use super::BuildError;
 
 /// References that a leaf may have without being split further.
 const LEAF: usize = 8;
-
-/// Cells with more triangles are built by two threads.
-const PARALLEL: usize = 4096;
 
 /// Builds the tree. The result depends on the triangles and their order alone, not on the number of threads.
 ///
@@ -32,7 +29,7 @@ pub fn build(triangles: Vec<Triangle>) -> Result<KdTree, BuildError> {
     let everything = (0..triangles.len() as u32).collect();
     let builder = Builder { bounds: &bounds, deepest: deepest(triangles.len()) };
     let mut tree = Arrays::with_root();
-    builder.grow(everything, COPIES * triangles.len(), 0, 0, &mut tree);
+    grow(&builder, everything, COPIES * triangles.len(), 0, 0, &mut tree);
     let [low, high] = bounds.iter().copied().reduce(|a, b| a.join(&b)).unwrap_or(Bounds::POINT).corners();
     let build_seconds = start.elapsed().as_secs_f64();
     Ok(KdTree { nodes: tree.nodes, references: tree.references, triangles, low, high, build_seconds })
@@ -43,40 +40,32 @@ struct Builder<'a> {
     deepest: usize,
 }
 
-impl Builder<'_> {
-    /// Makes the node at `slot` that of the cell which `inside` touch, and adds what is below it. The leaves there
-    /// hold at most `budget` references.
-    fn grow(&self, inside: Vec<u32>, budget: usize, depth: usize, slot: usize, tree: &mut Arrays) {
-        let count = inside.len();
-        let cut = (count > LEAF && depth < self.deepest).then(|| self.cut(&inside, budget, depth)).flatten();
-        let Some(Cut { axis, plane, below, above }) = cut else {
-            return tree.leaf(slot, inside.into_iter());
-        };
-        drop(inside);
-        let children = tree.inner(slot, axis, plane);
-        let [left, right] = share(budget, below.len(), above.len());
-        if count > PARALLEL {
-            let mut apart = Arrays::with_root();
-            rayon::join(
-                || self.grow(below, left, depth + 1, children, tree),
-                || self.grow(above, right, depth + 1, 0, &mut apart),
-            );
-            tree.adopt(children + 1, apart);
-        } else {
-            self.grow(below, left, depth + 1, children, tree);
-            self.grow(above, right, depth + 1, children + 1, tree);
-        }
+impl Cutter for Builder<'_> {
+    type Cell = Vec<u32>;
+
+    const PARALLEL: usize = 4096;
+
+    fn triangles(inside: &Vec<u32>) -> impl ExactSizeIterator<Item = u32> {
+        inside.iter().copied()
     }
 
+    fn cut(&self, inside: Vec<u32>, budget: usize, depth: usize) -> Result<Cut<Vec<u32>>, Vec<u32>> {
+        let cut =
+            (inside.len() > LEAF && depth < self.deepest).then(|| self.first_cut(&inside, budget, depth)).flatten();
+        cut.ok_or(inside)
+    }
+}
+
+impl Builder<'_> {
     /// The first axis in turn on which a cut helps: not both children are as large as the cell.
-    fn cut(&self, inside: &[u32], budget: usize, depth: usize) -> Option<Cut> {
+    fn first_cut(&self, inside: &[u32], budget: usize, depth: usize) -> Option<Cut<Vec<u32>>> {
         (depth..depth + 3).map(|turn| self.cut_on(turn % 3, inside)).find(|cut| {
             let (below, above) = (cut.below.len(), cut.above.len());
             (below < inside.len() || above < inside.len()) && below + above <= budget
         })
     }
 
-    fn cut_on(&self, axis: usize, inside: &[u32]) -> Cut {
+    fn cut_on(&self, axis: usize, inside: &[u32]) -> Cut<Vec<u32>> {
         let plane = self.median(axis, inside);
         let touching = |side: fn(&Bounds, usize, f32) -> bool| -> Vec<u32> {
             inside.iter().copied().filter(|&i| side(&self.bounds[i as usize], axis, plane)).collect()
@@ -92,14 +81,6 @@ impl Builder<'_> {
         let middle = centres.len() / 2;
         *centres.select_nth_unstable_by(middle, f32::total_cmp).1
     }
-}
-
-/// A plane, and the triangles that touch the cells on both sides.
-struct Cut {
-    axis: usize,
-    plane: f32,
-    below: Vec<u32>,
-    above: Vec<u32>,
 }
 
 #[cfg(test)]

@@ -22,7 +22,7 @@ use raywarp_kernels::triangle::Triangle;
 use self::cell::{Cell, PARALLEL};
 use self::plane::Plane;
 use super::kdtree::KdTree;
-use super::kdtree_arrays::{deepest, share, Arrays, COPIES, MAX_TRIANGLES};
+use super::kdtree_arrays::{deepest, grow, Arrays, Cut, Cutter, COPIES, MAX_TRIANGLES};
 use super::BuildError;
 
 /// Builds the tree. The result depends on the triangles and their order alone, not on the number of threads. Triangles
@@ -37,7 +37,7 @@ pub fn build(triangles: Vec<Triangle>) -> Result<KdTree, BuildError> {
     let [low, high] = cell.bounds.corners();
     let builder = Builder { triangles: &triangles, deepest: deepest(triangles.len()) };
     let mut tree = Arrays::with_root();
-    builder.grow(cell, COPIES * triangles.len(), 0, 0, &mut tree);
+    grow(&builder, cell, COPIES * triangles.len(), 0, 0, &mut tree);
     let build_seconds = start.elapsed().as_secs_f64();
     Ok(KdTree { nodes: tree.nodes, references: tree.references, triangles, low, high, build_seconds })
 }
@@ -47,30 +47,23 @@ struct Builder<'a> {
     deepest: usize,
 }
 
-impl Builder<'_> {
-    /// Makes the node at `slot` that of a cell, and adds what is below it. The leaves there hold at most `budget`
-    /// references.
-    fn grow(&self, cell: Cell, budget: usize, depth: usize, slot: usize, tree: &mut Arrays) {
-        let count = cell.parts.len();
-        let Some(plane) = self.plane(&cell, budget, depth) else {
-            return tree.leaf(slot, cell.parts.iter().map(|part| part.triangle));
-        };
-        let [below, above] = cell.cut(&plane, self.triangles);
-        let children = tree.inner(slot, plane.axis, plane.at);
-        let [left, right] = share(budget, below.parts.len(), above.parts.len());
-        if count > PARALLEL {
-            let mut apart = Arrays::with_root();
-            rayon::join(
-                || self.grow(below, left, depth + 1, children, tree),
-                || self.grow(above, right, depth + 1, 0, &mut apart),
-            );
-            tree.adopt(children + 1, apart);
-        } else {
-            self.grow(below, left, depth + 1, children, tree);
-            self.grow(above, right, depth + 1, children + 1, tree);
-        }
+impl Cutter for Builder<'_> {
+    type Cell = Cell;
+
+    const PARALLEL: usize = PARALLEL;
+
+    fn triangles(cell: &Cell) -> impl ExactSizeIterator<Item = u32> {
+        cell.parts.iter().map(|part| part.triangle)
     }
 
+    fn cut(&self, cell: Cell, budget: usize, depth: usize) -> Result<Cut<Cell>, Cell> {
+        let Some(plane) = self.plane(&cell, budget, depth) else { return Err(cell) };
+        let [below, above] = cell.cut(&plane, self.triangles);
+        Ok(Cut { axis: plane.axis, plane: plane.at, below, above })
+    }
+}
+
+impl Builder<'_> {
     /// Where to cut a cell; none where that is not worth its cost, or not allowed.
     fn plane(&self, cell: &Cell, budget: usize, depth: usize) -> Option<Plane> {
         let plane = (depth < self.deepest).then(|| plane::best(cell)).flatten()?;

@@ -4,6 +4,7 @@ use proptest::prelude::*;
 use raywarp_kernels::math::{vec3, Vec3};
 use raywarp_kernels::traverse::kdtree::Node;
 
+use super::super::kdtree_arrays::share;
 use super::cell::Cell;
 use super::event::Event;
 use super::part;
