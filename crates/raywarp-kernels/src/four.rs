@@ -57,7 +57,7 @@ impl Four {
         let (mut low, mut high) = ([0.0; 8], [0.0; 8]);
         for i in 0..4 {
             let t = self.triangle(i);
-            let origin = across.ray.origin;
+            let origin = across.origin;
             let a = across.flatten(t.v0 - origin);
             let b = across.flatten(t.v1 - origin);
             let c = across.flatten(t.v2 - origin);

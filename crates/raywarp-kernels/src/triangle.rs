@@ -18,11 +18,12 @@ pub mod flags {
     pub const TRANSPARENT: u32 = 2;
 }
 
-/// A ray as an axis: it is made once and asked about many triangles.
+/// A ray as an axis, without ends: it is made once and asked about many triangles.
+#[repr(C, align(16))]
 #[derive(Clone, Copy, Debug)]
 pub struct Across {
-    /// The ray itself.
-    pub ray: Ray,
+    /// Where the ray begins.
+    pub(crate) origin: Vec3,
     /// Give the two coordinates across the ray of a point relative to its origin.
     x: Vec3,
     y: Vec3,
@@ -51,7 +52,7 @@ impl Across {
         let inverse = if largest.abs() < f32::INFINITY { 1.0 / largest } else { f32::NAN };
         let (a, b) = (-select(d.y, d.z, d.x) * inverse, -select(d.z, d.x, d.y) * inverse);
         Self {
-            ray: *ray,
+            origin: ray.origin,
             x: vec3(select(a, 0.0, 1.0), select(1.0, a, 0.0), select(0.0, 1.0, a)),
             y: vec3(select(b, 1.0, 0.0), select(0.0, b, 1.0), select(1.0, 0.0, b)),
             along: vec3(select(inverse, 0.0, 0.0), select(0.0, inverse, 0.0), select(0.0, 0.0, inverse)),
@@ -125,7 +126,7 @@ impl Triangle {
     /// does when polygons are filled: it is filtered, mixed and counted once.
     #[inline(always)]
     pub fn intersect(&self, across: &Across) -> Option<Hit> {
-        let origin = across.ray.origin;
+        let origin = across.origin;
         let (p, q, r) = (self.v0 - origin, self.v1 - origin, self.v2 - origin);
         let (a, b, c) = (across.flatten(p), across.flatten(q), across.flatten(r));
         let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));

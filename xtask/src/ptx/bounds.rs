@@ -20,12 +20,17 @@ const ANY_BLOCK: Bounds = Bounds { threads: 256, ..DEFAULT };
 /// What traces through boxes, and nothing else: half of the threads of a multiprocessor fit.
 const TRACING: Bounds = Bounds { registers: 64, ..ANY_BLOCK };
 
+/// Half of what a ray needs is in shared memory: more threads fit.
+const POOLED: Bounds = Bounds { registers: 56, ..DEFAULT };
+
 /// The first row whose first column begins a kernel's name holds; [`DEFAULT`] where none does.
 /// Tune here, run `cargo xtask ptx`, and read the effect in `docs/kernels.md`.
 const TABLE: &[(&str, Bounds)] = &[
     ("whitted_brute", Bounds { registers: 64, ..ANY_BLOCK }),
     ("whitted_kd", Bounds { registers: 72, ..ANY_BLOCK }),
     ("whitted_bvh2", Bounds { registers: 128, ..ANY_BLOCK }),
+    ("closest_bvh_pooled", POOLED),
+    ("occluded_bvh_pooled", POOLED),
     ("closest_bvh", TRACING),
     ("occluded_bvh", TRACING),
     ("whitted_staged", Bounds { registers: 64, ..DEFAULT }),

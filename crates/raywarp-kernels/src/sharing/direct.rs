@@ -3,11 +3,11 @@
 use core::marker::PhantomData;
 
 use super::form::Form;
-use super::question::Question;
 use super::search::Search;
 use crate::kernels::Thread;
 use crate::ray::Ray;
 use crate::traverse::bvh2::{Bvh2, MAX_DEPTH};
+use crate::traverse::question::Question;
 use crate::traverse::Uncounted;
 use crate::view::{View, ViewMut};
 

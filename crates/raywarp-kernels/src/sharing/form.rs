@@ -2,9 +2,9 @@
 //!
 //! A thread whose next step is to a node and one whose next is to a triangle cannot take them at once: one of them waits.
 
-use super::question::Question;
 use super::search::Search;
 use crate::arch;
+use crate::traverse::question::Question;
 use crate::traverse::Counter;
 
 /// A loop over a search's steps.

@@ -4,7 +4,6 @@
 //! on its number alone.
 
 use super::form::{Form, WhileWhile};
-use super::question::ClosestHit;
 use super::search::Search;
 use crate::arch;
 use crate::kernels::Thread;
@@ -12,6 +11,7 @@ use crate::ray::{Hit, Ray};
 use crate::sample::{combine, cosine};
 use crate::shade::optics::reflect;
 use crate::traverse::bvh2::{Bvh2, MAX_DEPTH};
+use crate::traverse::question::ClosestHit;
 use crate::traverse::Uncounted;
 use crate::triangle::Triangle;
 use crate::view::{View, ViewMut};

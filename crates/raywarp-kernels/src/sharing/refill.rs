@@ -3,13 +3,13 @@
 use core::marker::PhantomData;
 
 use super::form::Form;
-use super::question::Question;
 use super::search::Search;
-use super::Tally;
 use crate::arch::{self, WARP};
 use crate::kernels::Thread;
 use crate::ray::{Ray, MISS};
+use crate::tally::Tally;
 use crate::traverse::bvh2::{Bvh2, MAX_DEPTH};
+use crate::traverse::question::Question;
 use crate::traverse::Uncounted;
 use crate::view::{View, ViewMut};
 

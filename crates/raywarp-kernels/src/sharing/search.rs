@@ -2,11 +2,10 @@
 
 use core::mem::MaybeUninit;
 
-use super::question::Question;
-use crate::arch::Links;
 use crate::ray::Ray;
-use crate::traverse::binary::Boxes;
+use crate::traverse::binary::{step, Aside, Boxes, LEAVES};
 use crate::traverse::bvh2::{Bvh2, Child, Full, ANY, MAX_DEPTH};
+use crate::traverse::question::Question;
 use crate::traverse::Counter;
 use crate::triangle::Across;
 
@@ -14,10 +13,7 @@ use crate::triangle::Across;
 pub type Room = [MaybeUninit<u32>; MAX_DEPTH + 1];
 
 /// No link: the bottom of the stack, or no leaf in hand.
-const NONE: u32 = Links::<{ MAX_DEPTH + 1 }>::END;
-
-/// Links below this are nodes.
-const LEAVES: u32 = 1 << 28;
+const NONE: u32 = Aside::END;
 
 /// A ray's search.
 pub struct Search<'a, Q: Question> {
@@ -25,7 +21,8 @@ pub struct Search<'a, Q: Question> {
     boxes: Full<ANY>,
     across: Across,
     question: Q,
-    links: Links<'a, { MAX_DEPTH + 1 }>,
+    links: Aside<'a>,
+    t_min: f32,
     t_far: f32,
     /// Where to go next: a node, a leaf, or nowhere.
     next: u32,
@@ -43,7 +40,8 @@ impl<'a, Q: Question> Search<'a, Q> {
             boxes: Full::new(tree, &ray),
             across: Across::new(&ray),
             question: Q::about(&ray),
-            links: Links::new(room),
+            links: Aside::new(room),
+            t_min: 0.0,
             t_far: 0.0,
             next: NONE,
             held: NONE,
@@ -58,7 +56,7 @@ impl<'a, Q: Question> Search<'a, Q> {
         self.across = Across::new(&ray);
         self.question = Q::about(&ray);
         self.links.clear();
-        self.t_far = ray.t_max;
+        (self.t_min, self.t_far) = (ray.t_min, ray.t_max);
         (self.next, self.held) = (0, NONE);
     }
 
@@ -96,9 +94,8 @@ impl<'a, Q: Question> Search<'a, Q> {
     #[inline(always)]
     pub fn visit(&mut self, counter: &mut impl Counter) {
         counter.node();
-        let [a, b] = self.boxes.children(self.next, self.across.ray.t_min, self.t_far);
-        // SAFETY: a way down puts one link aside at each of at most `MAX_DEPTH` nodes; `validate` sees to that.
-        self.next = unsafe { self.links.descend(a, b) };
+        let [a, b] = self.boxes.children(self.next, self.t_min, self.t_far);
+        self.next = step::<Q>(&mut self.links, a, b);
     }
 
     /// Puts the leaf that is next off, and goes on with what comes after it.
@@ -132,7 +129,7 @@ impl<'a, Q: Question> Search<'a, Q> {
         let triangle = self.tree.triangles.load(leaf.index());
         self.held = if leaf.count() > 1 { Child::leaf(leaf.index() + 1, leaf.count() - 1).bits() } else { NONE };
         self.t_far = self.question.visit(&self.across, &triangle);
-        if self.t_far < self.across.ray.t_min {
+        if self.t_far < self.t_min {
             (self.next, self.held) = (NONE, NONE);
         }
     }

@@ -60,7 +60,8 @@ fn following<const K: usize>(
     counter: &mut impl Counter,
 ) -> [Hit; K] {
     let ray = ray.after(previous);
-    let mut collected = Collected { previous, hits: [Hit { t: ray.t_max, ..Hit::NONE }; K] };
+    let (t_min, hits) = (ray.t_min, [Hit { t: ray.t_max, ..Hit::NONE }; K]);
+    let mut collected = Collected { previous, t_min, hits };
     structure.traverse(&ray, counter, &mut collected);
     collected.hits
 }
@@ -68,6 +69,7 @@ fn following<const K: usize>(
 /// The first hits after another, sorted; places not yet taken hold misses at the end of the ray.
 struct Collected<'a, const K: usize> {
     previous: &'a Hit,
+    t_min: f32,
     hits: [Hit; K],
 }
 
@@ -91,7 +93,7 @@ impl<const K: usize> Visitor for Collected<'_, K> {
     #[inline(always)]
     fn visit(&mut self, across: &Across, triangle: &Triangle) -> f32 {
         if let Some(hit) = triangle.intersect(across) {
-            if hit.t >= across.ray.t_min && self.previous.precedes(&hit) {
+            if hit.t >= self.t_min && self.previous.precedes(&hit) {
                 self.insert(hit);
             }
         }

@@ -57,16 +57,32 @@ pub fn meeting(enter: [f32; 3], leave: [f32; 3], t_min: f32, t_far: f32, link: u
 }
 
 /// Links below this are nodes.
-const LEAVES: u32 = 1 << 28;
+pub(crate) const LEAVES: u32 = 1 << 28;
 
-/// Shows the visitor what lies in the boxes that the ray meets, the nearer child first.
+/// Links of a way down: one is put aside at each of at most [`MAX_DEPTH`] nodes, `validate` sees to that.
+pub(crate) type Aside<'a> = Links<'a, { MAX_DEPTH + 1 }>;
+
+/// From a node's children to the next link.
 #[inline(always)]
-pub fn walk(
+pub(crate) fn step<V: Visitor>(links: &mut Aside, a: Meeting, b: Meeting) -> u32 {
+    // SAFETY: see `Aside`.
+    unsafe {
+        if V::ORDERED {
+            links.descend(a, b)
+        } else {
+            links.descend_either(a, b)
+        }
+    }
+}
+
+/// Shows the visitor what lies in the boxes that the ray meets, in the order that it asks for.
+#[inline(always)]
+pub fn walk<V: Visitor>(
     boxes: &impl Boxes,
     triangles: View<Triangle>,
     ray: &Ray,
     counter: &mut impl Counter,
-    visitor: &mut impl Visitor,
+    visitor: &mut V,
 ) {
     let across = Across::new(ray);
     let mut room = [const { MaybeUninit::uninit() }; MAX_DEPTH + 1];
@@ -77,10 +93,9 @@ pub fn walk(
         while next < LEAVES {
             counter.node();
             let [a, b] = boxes.children(next, ray.t_min, t_far);
-            // SAFETY: a way down puts one link aside at each of at most `MAX_DEPTH` nodes; `validate` sees to that.
-            next = unsafe { links.descend(a, b) };
+            next = step::<V>(&mut links, a, b);
         }
-        if next == Links::<{ MAX_DEPTH + 1 }>::END {
+        if next == Aside::END {
             return;
         }
         counter.leaf();

@@ -123,7 +123,7 @@ impl Structure for KdTrail {
                     }
                 }
             } else {
-                t_far = self.tree.leaf(node, &across, t_far, counter, visitor);
+                t_far = self.tree.leaf(node, &across, ray.t_min, t_far, counter, visitor);
                 if t_far < ray.t_min {
                     return;
                 }

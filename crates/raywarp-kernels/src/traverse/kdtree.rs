@@ -168,7 +168,7 @@ impl Structure for KdTree {
                 };
                 continue;
             }
-            t_far = self.leaf(node, &across, t_far, counter, visitor);
+            t_far = self.leaf(node, &across, ray.t_min, t_far, counter, visitor);
             if t_far < ray.t_min {
                 return;
             }
@@ -205,6 +205,7 @@ impl KdTree {
         &self,
         leaf: Node,
         across: &Across,
+        t_min: f32,
         mut t_far: f32,
         counter: &mut impl Counter,
         visitor: &mut impl Visitor,
@@ -212,7 +213,7 @@ impl KdTree {
         for reference in leaf.first()..leaf.first() + leaf.count() {
             counter.triangle();
             t_far = visitor.visit(across, &self.triangles.load(self.references.at(reference)));
-            if t_far < across.ray.t_min {
+            if t_far < t_min {
                 break;
             }
         }

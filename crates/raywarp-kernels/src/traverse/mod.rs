@@ -19,6 +19,7 @@ pub mod instanced;
 pub mod kdtrail;
 pub mod kdtree;
 pub mod octants;
+pub mod question;
 mod slabs;
 pub mod staged;
 
@@ -53,6 +54,10 @@ pub trait Structure: Copy {
 /// Who looks at the triangles of a traversal. Not a closure: those are inlined as the compiler sees fit, and a visitor
 /// that is called instead makes the CPU more than twice as slow.
 pub trait Visitor {
+    /// Whether near triangles first is best. Where any order will do, binary trees of boxes go on with the larger child:
+    /// it holds an obstacle sooner, and nothing has to be compared.
+    const ORDERED: bool = true;
+
     /// Looks at a triangle and answers how far along the ray it is still of interest: [`ENOUGH`] ends the traversal.
     /// `across` is the traversal's ray, in the space of the triangle.
     fn visit(&mut self, across: &Across, triangle: &Triangle) -> f32;
@@ -167,7 +172,7 @@ impl Kept for Tests {
 pub fn closest(structure: &impl Structure, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
     counter.ray();
     let ray = ray.after(previous);
-    let mut nearest = Nearest { previous, best: Hit { t: ray.t_max, ..Hit::NONE } };
+    let mut nearest = Nearest::of(&ray, previous);
     counter.stage(Stage::Intersection);
     structure.traverse(&ray, counter, &mut nearest);
     counter.stage(Stage::Shading);
@@ -180,15 +185,24 @@ pub fn closest(structure: &impl Structure, ray: &Ray, previous: &Hit, counter: &
 
 /// Keeps the first hit after another.
 pub(crate) struct Nearest<'a> {
-    pub previous: &'a Hit,
+    previous: &'a Hit,
+    t_min: f32,
     pub best: Hit,
+}
+
+impl<'a> Nearest<'a> {
+    /// Of a ray that begins where hits after `previous` are.
+    #[inline(always)]
+    pub fn of(ray: &Ray, previous: &'a Hit) -> Self {
+        Self { previous, t_min: ray.t_min, best: Hit { t: ray.t_max, ..Hit::NONE } }
+    }
 }
 
 impl Visitor for Nearest<'_> {
     #[inline(always)]
     fn visit(&mut self, across: &Across, triangle: &Triangle) -> f32 {
         if let Some(hit) = triangle.intersect(across) {
-            if hit.t >= across.ray.t_min && hit.precedes(&self.best) && self.previous.precedes(&hit) {
+            if hit.t >= self.t_min && hit.precedes(&self.best) && self.previous.precedes(&hit) {
                 self.best = hit;
             }
         }
@@ -214,7 +228,7 @@ pub enum Occlusion {
 #[inline(always)]
 pub fn occlusion(structure: &impl Structure, ray: &Ray, counter: &mut impl Counter) -> Occlusion {
     counter.ray();
-    let mut obstacle = Obstacle { found: Occlusion::Clear };
+    let mut obstacle = Obstacle::of(ray);
     counter.stage(Stage::Intersection);
     structure.traverse(ray, counter, &mut obstacle);
     counter.stage(Stage::Shading);
@@ -223,16 +237,27 @@ pub fn occlusion(structure: &impl Structure, ray: &Ray, counter: &mut impl Count
 
 /// Stops at the first opaque hit.
 pub(crate) struct Obstacle {
+    t_min: f32,
+    t_max: f32,
     pub found: Occlusion,
 }
 
+impl Obstacle {
+    /// Between the ends of a ray.
+    #[inline(always)]
+    pub fn of(ray: &Ray) -> Self {
+        Self { t_min: ray.t_min, t_max: ray.t_max, found: Occlusion::Clear }
+    }
+}
+
 impl Visitor for Obstacle {
+    const ORDERED: bool = false;
+
     #[inline(always)]
     fn visit(&mut self, across: &Across, triangle: &Triangle) -> f32 {
-        let ray = &across.ray;
-        let hit = triangle.intersect(across).filter(|hit| hit.t >= ray.t_min && hit.t <= ray.t_max);
+        let hit = triangle.intersect(across).filter(|hit| hit.t >= self.t_min && hit.t <= self.t_max);
         if hit.is_none() {
-            return ray.t_max;
+            return self.t_max;
         }
         if triangle.flags & (flags::CUTOUT | flags::TRANSPARENT) == 0 {
             self.found = Occlusion::Blocked;
@@ -242,7 +267,7 @@ impl Visitor for Obstacle {
         if self.found == Occlusion::Clear {
             self.found = Occlusion::Filtered;
         }
-        ray.t_max
+        self.t_max
     }
 }
 

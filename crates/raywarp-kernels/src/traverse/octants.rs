@@ -18,13 +18,19 @@ pub struct Octants {
     pub compact: Compact,
 }
 
+/// A bit for each axis along which the ray runs backwards; zero counts with its own sign, as in
+/// [`inverse_direction`](Ray::inverse_direction).
+#[inline(always)]
+pub fn octant(ray: &Ray) -> u32 {
+    let backwards = |x: f32| x.is_sign_negative() as u32;
+    let d = ray.direction;
+    backwards(d.x) | backwards(d.y) << 1 | backwards(d.z) << 2
+}
+
 impl Structure for Octants {
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
-        // The signs that `inverse_direction` has: zero counts with its own.
-        let backwards = |x: f32| x.is_sign_negative() as u32;
-        let d = ray.direction;
-        let octant = backwards(d.x) | backwards(d.y) << 1 | backwards(d.z) << 2;
+        let octant = octant(ray);
         if !arch::uniform(octant) {
             return self.compact.traverse(ray, counter, visitor);
         }

@@ -14,7 +14,7 @@ use super::NODE_COST;
 
 /// Cost of a triangle's test where nodes are weighed against leaves. Less than in the heuristic: the triangles of a leaf
 /// lie side by side and are tested without a decision in between.
-const TEST_COST: f64 = 0.5;
+const TEST_COST: f64 = 0.7;
 
 /// What is below a node.
 #[derive(Clone, Copy, Default)]

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use super::device::{Answer, Any, Closest, Count};
 use super::question::{Collect, Question};
-use super::{AllHits, Hits, QueryError, RayCaster};
+use super::{AllHits, Coherence, Hits, QueryError, RayCaster};
 use crate::backend::{Buffer, Pace};
 use crate::{Hit, Ray};
 
@@ -201,8 +201,9 @@ impl<'a> Batch<'a> {
 
 /// Traces the rays of a pass.
 fn answered<A: Answer>(caster: &RayCaster, rays: &[Ray], mut answer: A) -> Result<(f64, A), QueryError> {
+    let coherence = Coherence::of(rays);
     let rays = caster.device().upload(rays)?;
-    let seconds = caster.trace(&rays, &mut answer)?;
+    let seconds = caster.trace_as(coherence, &rays, &mut answer)?;
     Ok((seconds, answer))
 }
 
@@ -241,7 +242,7 @@ fn fill(caster: &RayCaster, rays: &Buffer<Ray>, counts: &[u32]) -> Result<(f64, 
     let question = Question::Collect(Collect::All { offsets: places.view(), limit: 0, counts, hits: hits_view });
     // SAFETY: all buffers are made here or by the caller on the caster's device and held until the launch is over. The
     // places ascend to the length of `hits`, so each ray has items of its own.
-    let seconds = unsafe { caster.ask(rays.view(), question, None) }?.wait()?;
+    let seconds = unsafe { caster.ask(rays.view(), question, Coherence::Incoherent, None) }?.wait()?;
     let mut found = Hits::default();
     found.extend(&hits.download()?, caster.geometries());
     Ok((seconds, AllHits { offsets, hits: found }))

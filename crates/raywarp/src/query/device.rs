@@ -30,9 +30,9 @@
 
 use raywarp_kernels::view::{Plain, View};
 
-use super::question::{Collect, Fill, Find, Question};
-use super::{QueryError, RayCaster};
-use crate::backend::{Buffer, Device, DeviceError, Launch, Stream};
+use super::question::{Asked, Collect, Fill, Find, Question};
+use super::{Coherence, QueryError, RayCaster};
+use crate::backend::{Buffer, Device, DeviceError, Stream};
 use crate::{Hit, Ray};
 
 /// Room for the answers to a batch: one of this module's structs.
@@ -115,7 +115,7 @@ impl All {
 
 /// A batch that is being answered. Dropped, it is waited for.
 pub struct Pending<A> {
-    launch: Launch,
+    launch: Asked,
     /// None once they were given back.
     batch: Option<(Buffer<Ray>, A)>,
     /// Holds the structure.
@@ -160,7 +160,17 @@ impl RayCaster {
     /// # Errors
     /// A buffer has the wrong length or belongs to another device, or the device fails.
     pub fn trace(&self, rays: &Buffer<Ray>, answer: &mut impl Answer) -> Result<f64, QueryError> {
-        Ok(self.start(rays, answer, None)?.wait()?)
+        self.trace_as(self.expected, rays, answer)
+    }
+
+    /// As [`trace`](Self::trace), for rays of which is known how they lie.
+    pub(super) fn trace_as(
+        &self,
+        coherence: Coherence,
+        rays: &Buffer<Ray>,
+        answer: &mut impl Answer,
+    ) -> Result<f64, QueryError> {
+        Ok(self.start(rays, answer, coherence, None)?.wait()?)
     }
 
     /// Answers a batch after those launched on the stream before, while the host goes on. On the CPU it is answered when
@@ -175,7 +185,7 @@ impl RayCaster {
         mut answer: A,
     ) -> Result<Pending<A>, QueryError> {
         self.device().check_stream(stream)?;
-        let launch = self.start(&rays, &mut answer, Some(stream))?;
+        let launch = self.start(&rays, &mut answer, self.expected, Some(stream))?;
         Ok(Pending { launch, batch: Some((rays, answer)), _caster: self.clone() })
     }
 
@@ -184,14 +194,15 @@ impl RayCaster {
         &self,
         rays: &Buffer<Ray>,
         answer: &mut impl Answer,
+        coherence: Coherence,
         stream: Option<&Stream>,
-    ) -> Result<Launch, QueryError> {
+    ) -> Result<Asked, QueryError> {
         self.device().check(rays, "rays")?;
         answer.check(self.device(), rays.len())?;
         let question = answer.question();
         // SAFETY: the buffers are this device's and long enough, each ray writes its own items, and the callers hold all
         // of it until they have waited. The builders keep the structure's indices in range.
-        Ok(unsafe { self.ask(rays.view(), question, stream) }?)
+        Ok(unsafe { self.ask(rays.view(), question, coherence, stream) }?)
     }
 }
 

@@ -1,6 +1,5 @@
 //! Whether a scene's meshes are placed by instances of a structure, or brought to world space one by one.
 
-use std::sync::Arc;
 
 use super::{Geometries, QueryError, RayCaster, Report, Shared};
 use crate::accel::instanced::{self, Instanced, Placement};
@@ -98,7 +97,7 @@ impl RayCaster {
     pub fn from_instanced(tree: &Instanced, device: &Device) -> Result<Self, QueryError> {
         let structure = AnyResident::Two(ResidentInstanced::upload(device, tree)?);
         let (geometries, report) = (Geometries::default(), Report::of_instanced(tree));
-        Ok(Self { shared: Arc::new(Shared { device: device.clone(), structure, geometries, report }) })
+        Ok(Self::sharing(Shared { device: device.clone(), structure, geometries, report }))
     }
 }
 

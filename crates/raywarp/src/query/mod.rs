@@ -8,6 +8,7 @@
 //! and its peers are measured with.
 
 mod batch;
+mod coherence;
 mod cost;
 pub mod device;
 mod error;
@@ -31,6 +32,7 @@ use crate::scene::Scene;
 use crate::{Hit, Ray, Triangle};
 
 pub use batch::{Batch, Progress};
+pub use coherence::Coherence;
 pub use cost::{tests, Cost};
 pub use error::QueryError;
 pub use geometry::Geometries;
@@ -66,6 +68,8 @@ pub use workload::{opaque_triangles, PixelOrder, RaySource, Spot, Workload};
 #[derive(Clone)]
 pub struct RayCaster {
     shared: Arc<Shared>,
+    /// What is expected of rays in buffers.
+    expected: Coherence,
 }
 
 struct Shared {
@@ -129,7 +133,7 @@ impl RayCaster {
         let build_seconds = start.elapsed().as_secs_f64();
         let structure = AnyResident::Two(ResidentInstanced::upload(device, &tree)?);
         let report = Report { build_seconds, ..Report::of_instanced(&tree) };
-        Ok(Self { shared: Arc::new(Shared { device: device.clone(), structure, geometries, report }) })
+        Ok(Self::sharing(Shared { device: device.clone(), structure, geometries, report }))
     }
 
     /// Builds a structure over the triangles that can be hit and copies it to a device. Hits say the numbers that the
@@ -157,7 +161,7 @@ impl RayCaster {
         let report = Report { triangles: count, dropped, tree: accel.stats(), build_seconds, warning };
         device.reserve(report.tree.bytes as u64, "the scene")?;
         let structure = AnyResident::One(Resident::upload(device, &accel)?);
-        Ok(Self { shared: Arc::new(Shared { device: device.clone(), structure, geometries, report }) })
+        Ok(Self::sharing(Shared { device: device.clone(), structure, geometries, report }))
     }
 
     /// Copies a structure that was built elsewhere to a device.
@@ -169,7 +173,17 @@ impl RayCaster {
         device.reserve(report.tree.bytes as u64, "the structure")?;
         let structure = AnyResident::One(Resident::upload(device, accel)?);
         let geometries = Geometries::default();
-        Ok(Self { shared: Arc::new(Shared { device: device.clone(), structure, geometries, report }) })
+        Ok(Self::sharing(Shared { device: device.clone(), structure, geometries, report }))
+    }
+
+    fn sharing(shared: Shared) -> Self {
+        Self { shared: Arc::new(shared), expected: Coherence::Incoherent }
+    }
+
+    /// The same for batches of rays in buffers of the device that are more often than not of this kind, which makes them
+    /// faster and changes no answer. Without this they are taken to be [`Coherence::Incoherent`]. Slices are looked at.
+    pub fn expecting(&self, coherence: Coherence) -> Self {
+        Self { expected: coherence, ..self.clone() }
     }
 
     /// What became of the triangles.

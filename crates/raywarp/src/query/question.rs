@@ -1,12 +1,14 @@
 //! From a question to the launch of its kernel.
 
 use raywarp_kernels::kernels::{All, Closest, Count, Kernel, Occluded};
-use raywarp_kernels::traverse::Structure;
+use raywarp_kernels::pool::Pooled;
+use raywarp_kernels::traverse::question::{self, AnyHit, ClosestHit};
+use raywarp_kernels::traverse::{Compact, Structure};
 use raywarp_kernels::view::{View, ViewMut};
 
-use super::{QueryError, RayCaster};
-use crate::accel::with_any_structure;
-use crate::backend::{Device, DeviceError, Launch, Stream};
+use super::{Coherence, QueryError, RayCaster};
+use crate::accel::{with_any_structure, AnyResident, Resident};
+use crate::backend::{Buffer, Device, DeviceError, Launch, Stream};
 use crate::{Hit, Ray};
 
 /// What a kernel is asked, and where its answers go.
@@ -48,22 +50,74 @@ impl RayCaster {
         &self,
         rays: View<Ray>,
         question: Question,
+        coherence: Coherence,
         stream: Option<&Stream>,
-    ) -> Result<Launch, DeviceError> {
+    ) -> Result<Asked, DeviceError> {
         let batch = Batch { device: self.device(), rays, stream };
         // SAFETY: the caller's promise.
         unsafe {
             match question {
-                Question::Find(question) => {
-                    with_any_structure!(self.structure(), structure => batch.find(structure, question))
-                }
+                Question::Find(question) => match self.pooled(coherence) {
+                    Some(tree) => return batch.find_pooled(tree, question),
+                    None => with_any_structure!(self.structure(), structure => batch.find(structure, question)),
+                },
                 // Long kernels already: of a tree in two layouts they know one.
                 Question::Collect(question) => {
                     with_any_structure!(self.structure(), structure, both => both.compact, batch.collect(structure, question))
                 }
             }
         }
+        .map(Asked::from)
     }
+
+    /// The tree by which such batches are answered in a pool, if they are.
+    pub(super) fn pooled(&self, coherence: Coherence) -> Option<Compact> {
+        if coherence == Coherence::Coherent || !self.device().is_cuda() {
+            return None;
+        }
+        match self.structure() {
+            AnyResident::One(Resident::Bvh { small, triangles, grid, .. }) => {
+                Some(Compact { nodes: small.view(), triangles: triangles.view(), grid: *grid })
+            }
+            _ => None,
+        }
+    }
+}
+
+/// A question under way.
+pub struct Asked {
+    launch: Launch,
+    /// Of a pool.
+    _numbers: Option<Buffer<u32>>,
+}
+
+impl Asked {
+    /// Waits for the answers; the seconds that it took on the device.
+    pub fn wait(&self) -> Result<f64, DeviceError> {
+        self.launch.wait()
+    }
+}
+
+impl From<Launch> for Asked {
+    fn from(launch: Launch) -> Self {
+        Self { launch, _numbers: None }
+    }
+}
+
+/// A pool as large as the device, or as the batch; with the threads of its launch.
+pub fn pool<Q: question::Question>(
+    device: &Device,
+    tree: Compact,
+    rays: View<Ray>,
+    answers: ViewMut<Q::Answer>,
+    numbers: &mut Buffer<u32>,
+) -> Result<(Pooled<Q>, u32), DeviceError>
+where
+    Pooled<Q>: Kernel,
+{
+    let (warp, _) = device.warp_and_block();
+    let threads = device.resident_threads::<Pooled<Q>>()?.min(rays.len().div_ceil(warp) * warp);
+    Ok((Pooled { tree, rays, answers, taken: numbers.view_mut(), warps: threads.div_ceil(warp) }, threads))
 }
 
 struct Batch<'a> {
@@ -92,6 +146,26 @@ impl Batch<'_> {
 
     /// # Safety
     /// As for [`Device::launch`], until the launch has been waited for.
+    unsafe fn find_pooled(&self, tree: Compact, question: Find) -> Result<Asked, DeviceError> {
+        let mut numbers = self.device.zeroed(Pooled::<ClosestHit>::NUMBERS)?;
+        // SAFETY: the caller's promise, for each of them; the numbers are held as long.
+        let launch = unsafe {
+            match question {
+                Find::Closest { hits } => {
+                    let (kernel, threads) = pool::<ClosestHit>(self.device, tree, self.rays, hits, &mut numbers)?;
+                    self.run_by(&kernel, threads)?
+                }
+                Find::Any { blocked } => {
+                    let (kernel, threads) = pool::<AnyHit>(self.device, tree, self.rays, blocked, &mut numbers)?;
+                    self.run_by(&kernel, threads)?
+                }
+            }
+        };
+        Ok(Asked { launch, _numbers: Some(numbers) })
+    }
+
+    /// # Safety
+    /// As for [`Device::launch`], until the launch has been waited for.
     unsafe fn collect<S: Structure>(&self, structure: S, question: Collect) -> Result<Launch, DeviceError>
     where
         Count<S>: Kernel,
@@ -112,12 +186,96 @@ impl Batch<'_> {
     /// # Safety
     /// As for [`Device::launch`], until the launch has been waited for.
     unsafe fn run(&self, kernel: &impl Kernel) -> Result<Launch, DeviceError> {
-        let extent = [self.rays.len(), 1];
+        // SAFETY: the caller's promise.
+        unsafe { self.run_by(kernel, self.rays.len()) }
+    }
+
+    /// # Safety
+    /// As for [`Device::launch`], until the launch has been waited for.
+    unsafe fn run_by(&self, kernel: &impl Kernel, threads: u32) -> Result<Launch, DeviceError> {
+        let extent = [threads, 1];
         match self.stream {
             // SAFETY: the caller's promise.
             Some(stream) => unsafe { stream.launch(kernel, extent) },
             // SAFETY: the caller's promise.
             None => unsafe { self.device.launch(kernel, extent) }.map(Launch::done),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::accel::{AccelKind, Build, Quality};
+    use crate::backend::DeviceChoice;
+    use crate::{Triangle, Vec3};
+
+    fn point(size: f32) -> impl Strategy<Value = Vec3> {
+        prop::array::uniform3(-size..size).prop_map(Vec3::from)
+    }
+
+    fn scene() -> impl Strategy<Value = Vec<Triangle>> {
+        let corners = (point(4.0), point(1.0), point(1.0));
+        prop::collection::vec(corners, 0..300).prop_map(|corners| {
+            let triangle = |(i, (a, b, c)): (usize, (Vec3, Vec3, Vec3))| Triangle::new(a, a + b, a + c, i as u32, 0);
+            corners.into_iter().enumerate().map(triangle).collect()
+        })
+    }
+
+    fn rays() -> impl Strategy<Value = Vec<Ray>> {
+        let limits = prop::sample::select(vec![
+            (0.0, f32::INFINITY),
+            (0.5, 2.0),
+            (-3.0, 3.0),
+            (2.0, 1.0),
+            (f32::NEG_INFINITY, f32::INFINITY),
+            (f32::NAN, 1.0),
+            (0.0, f32::NAN),
+        ]);
+        let special = prop::sample::select(vec![[0.0; 3], [0.0, 1.0, 0.0], [f32::NAN, 1.0, 0.0], [f32::INFINITY; 3]]);
+        let direction = prop_oneof![8 => point(1.0), 1 => special.prop_map(Vec3::from)];
+        let ray = (point(5.0), direction, limits);
+        let ray = ray.prop_map(|(origin, direction, (t_min, t_max))| Ray { origin, t_min, direction, t_max });
+        prop::collection::vec(ray, 0..400)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// On the CPU, where a warp is one lane: the GPU's is asked in `tests/conformance`.
+        #[test]
+        fn a_pool_answers_as_brute_force_does(triangles in scene(), rays in rays()) {
+            let device = Device::open(DeviceChoice::Cpu).unwrap();
+            let with = |kind| {
+                let build = Build { quality: Quality::High, ..Build::from(kind) };
+                RayCaster::new(triangles.clone(), build, &device).unwrap()
+            };
+            let (brute, caster) = (with(AccelKind::Brute), with(AccelKind::Bvh));
+            let AnyResident::One(Resident::Bvh { small, triangles, grid, .. }) = caster.structure() else {
+                panic!("a bvh was asked for")
+            };
+            let tree = Compact { nodes: small.view(), triangles: triangles.view(), grid: *grid };
+            let batch = device.upload(&rays).unwrap();
+            let mut numbers = device.zeroed(Pooled::<ClosestHit>::NUMBERS).unwrap();
+            let mut hits = device.zeroed::<Hit>(rays.len()).unwrap();
+            let mut blocked = device.zeroed::<u32>(rays.len()).unwrap();
+            // Twice, for what the first launch leaves behind.
+            for _ in 0..2 {
+                let (kernel, threads) =
+                    pool::<ClosestHit>(&device, tree, batch.view(), hits.view_mut(), &mut numbers).unwrap();
+                // SAFETY: the buffers are held until the launch is over, which is when this returns.
+                unsafe { device.launch(&kernel, [threads, 1]) }.unwrap();
+                let (kernel, threads) =
+                    pool::<AnyHit>(&device, tree, batch.view(), blocked.view_mut(), &mut numbers).unwrap();
+                // SAFETY: as above.
+                unsafe { device.launch(&kernel, [threads, 1]) }.unwrap();
+                prop_assert_eq!(numbers.to_vec().unwrap(), [0, 0]);
+                prop_assert_eq!(hits.to_vec().unwrap(), brute.hits(&rays).unwrap());
+                let any: Vec<bool> = blocked.to_vec().unwrap().iter().map(|&any| any != 0).collect();
+                prop_assert_eq!(any, brute.any(&rays).unwrap());
+            }
         }
     }
 }

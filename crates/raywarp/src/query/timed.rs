@@ -1,17 +1,23 @@
 //! A batch that stays on the device and is asked again and again: for measuring.
 
 use raywarp_kernels::kernels::{Closest, Kernel, Occluded};
+use raywarp_kernels::pool::Pooled;
+use raywarp_kernels::traverse::question::{AnyHit, ClosestHit};
 
-use super::{QueryError, RayCaster};
+use super::question::pool;
+use super::{Coherence, QueryError, RayCaster};
 use crate::accel::with_any_structure;
-use crate::backend::{Buffer, DeviceError, KernelInfo};
+use crate::backend::{Buffer, Device, DeviceError, KernelInfo};
 use crate::{Hit, Ray};
 
 /// Rays on a device with room for their answers.
 pub struct Timed<'a> {
     caster: &'a RayCaster,
     rays: Buffer<Ray>,
+    coherence: Coherence,
     room: Room,
+    /// Of a pool.
+    numbers: Buffer<u32>,
 }
 
 /// Room for answers on the device.
@@ -30,12 +36,6 @@ pub enum Answers {
 }
 
 impl RayCaster {
-    fn time(&self, kernel: &impl Kernel, rays: u32, [warmup, repeats]: [u32; 2]) -> Result<Vec<f64>, DeviceError> {
-        // SAFETY: the structure is borrowed and the batch holds rays and answers until this returns. The builders keep
-        // their indices in range.
-        unsafe { self.device().time(kernel, [rays, 1], warmup, repeats) }
-    }
-
     /// Copies rays to the device, to ask for the closest hit of each, or whether each hits anything.
     ///
     /// # Errors
@@ -47,7 +47,40 @@ impl RayCaster {
             true => Room::Occluded(self.device().zeroed(rays.len())?),
             false => Room::Closest(self.device().zeroed(rays.len())?),
         };
-        Ok(Timed { caster: self, rays: self.device().upload(rays)?, room })
+        let numbers = self.device().zeroed(Pooled::<ClosestHit>::NUMBERS)?;
+        Ok(Timed { caster: self, coherence: Coherence::of(rays), rays: self.device().upload(rays)?, room, numbers })
+    }
+}
+
+/// What is done with a kernel, whichever it is.
+trait Use {
+    type Result;
+    fn of<K: Kernel>(self, device: &Device, kernel: &K, threads: u32) -> Result<Self::Result, DeviceError>;
+}
+
+struct Stopwatch {
+    /// Those that do not count, and those that do.
+    times: [u32; 2],
+}
+
+impl Use for Stopwatch {
+    type Result = Vec<f64>;
+
+    fn of<K: Kernel>(self, device: &Device, kernel: &K, threads: u32) -> Result<Vec<f64>, DeviceError> {
+        let [warmup, repeats] = self.times;
+        // SAFETY: the structure is borrowed and the batch holds rays and answers until this returns. The builders keep
+        // their indices in range.
+        unsafe { device.time(kernel, [threads, 1], warmup, repeats) }
+    }
+}
+
+struct Inquiry;
+
+impl Use for Inquiry {
+    type Result = Option<KernelInfo>;
+
+    fn of<K: Kernel>(self, device: &Device, kernel: &K, threads: u32) -> Result<Option<KernelInfo>, DeviceError> {
+        device.kernel_info(kernel, [threads, 1])
     }
 }
 
@@ -58,17 +91,7 @@ impl Timed<'_> {
     /// # Errors
     /// The device fails.
     pub fn time(&mut self, warmup: u32, repeats: u32) -> Result<Vec<f64>, QueryError> {
-        let (caster, rays) = (self.caster, self.rays.view());
-        let seconds = with_any_structure!(caster.structure(), structure => match &mut self.room {
-            Room::Closest(hits) => {
-                caster.time(&Closest { structure, rays, hits: hits.view_mut() }, rays.len(), [warmup, repeats])
-            }
-            Room::Occluded(occluded) => {
-                let kernel = Occluded { structure, rays, occluded: occluded.view_mut() };
-                caster.time(&kernel, rays.len(), [warmup, repeats])
-            }
-        });
-        Ok(seconds?)
+        Ok(self.with_kernel(Stopwatch { times: [warmup, repeats] })?)
     }
 
     /// What the kernel takes of the device; nothing on the CPU.
@@ -76,15 +99,30 @@ impl Timed<'_> {
     /// # Errors
     /// The device does not answer.
     pub fn kernel_info(&mut self) -> Result<Option<KernelInfo>, QueryError> {
-        let (caster, rays) = (self.caster, self.rays.view());
-        let (device, extent) = (caster.device(), [rays.len(), 1]);
-        let info = with_any_structure!(caster.structure(), structure => match &mut self.room {
-            Room::Closest(hits) => device.kernel_info(&Closest { structure, rays, hits: hits.view_mut() }, extent),
+        Ok(self.with_kernel(Inquiry)?)
+    }
+
+    fn with_kernel<U: Use>(&mut self, what: U) -> Result<U::Result, DeviceError> {
+        let (caster, rays, numbers) = (self.caster, self.rays.view(), &mut self.numbers);
+        let device = caster.device();
+        if let Some(tree) = caster.pooled(self.coherence) {
+            return match &mut self.room {
+                Room::Closest(hits) => {
+                    let (kernel, threads) = pool::<ClosestHit>(device, tree, rays, hits.view_mut(), numbers)?;
+                    what.of(device, &kernel, threads)
+                }
+                Room::Occluded(occluded) => {
+                    let (kernel, threads) = pool::<AnyHit>(device, tree, rays, occluded.view_mut(), numbers)?;
+                    what.of(device, &kernel, threads)
+                }
+            };
+        }
+        with_any_structure!(caster.structure(), structure => match &mut self.room {
+            Room::Closest(hits) => what.of(device, &Closest { structure, rays, hits: hits.view_mut() }, rays.len()),
             Room::Occluded(occluded) => {
-                device.kernel_info(&Occluded { structure, rays, occluded: occluded.view_mut() }, extent)
+                what.of(device, &Occluded { structure, rays, occluded: occluded.view_mut() }, rays.len())
             }
-        });
-        Ok(info?)
+        })
     }
 
     /// The answers of the last time; before any, zeros.

@@ -5,10 +5,10 @@ use std::marker::PhantomData;
 use raywarp_kernels::kernels::Kernel;
 use raywarp_kernels::sharing::direct::Direct;
 use raywarp_kernels::sharing::form::{Form, IfIf, Postponed, Speculative, WhileWhile};
-use raywarp_kernels::sharing::question::{AnyHit, ClosestHit, Question};
 use raywarp_kernels::sharing::queued::Queued;
 use raywarp_kernels::sharing::refill::Refill;
 use raywarp_kernels::traverse;
+use raywarp_kernels::traverse::question::{AnyHit, ClosestHit, Question};
 use raywarp_kernels::view::{Plain, ViewMut};
 
 use super::lanes::LoopForm;

@@ -3,8 +3,8 @@
 use raywarp::accel::AccelKind;
 use raywarp::backend::Device;
 use raywarp::query::device::{All, Any, Closest, Count};
-use raywarp::query::{AllHits, RayCaster};
-use raywarp::{Ray, Triangle, Vec3};
+use raywarp::query::{AllHits, Coherence, RayCaster};
+use raywarp::{Hit, Ray, Triangle, Vec3};
 
 use crate::hits::{rays, soup};
 use crate::{device, reference, scaled, scene, triangles, Random};
@@ -87,6 +87,39 @@ fn odd_rays_are_the_same_everywhere() {
             let caster = RayCaster::new(cornell.clone(), kind, &device()).unwrap();
             assert_same(&caster.all(&rays).unwrap(), &all, &rays, &format!("{kind} at {scale:e}"));
             assert!(caster.any(&rays).unwrap() == blocked, "{kind} at {scale:e}: any hit");
+        }
+    }
+}
+
+/// Batches of every length around that of a warp and far beyond what fits on a device, by either kernel, with many
+/// triangles at the same place: which is hit first does not depend on the lane that finds it.
+#[test]
+fn batches_are_answered_alike_whatever_is_expected_of_them() {
+    let device = device();
+    let mut triangles = soup(&mut Random(21));
+    let copies: Vec<Triangle> = triangles.iter().step_by(3).copied().cycle().take(6000).collect();
+    triangles.extend(copies.iter().enumerate().map(|(i, t)| Triangle { primitive: 3000 + i as u32, ..*t }));
+    let mut mixed = rays(&triangles, scaled(600_000), &mut Random(22));
+    // Runs in which all go one way, among the others.
+    for run in mixed.chunks_mut(32).step_by(3) {
+        run.iter_mut().for_each(|ray| ray.direction = ray.direction.max(-ray.direction));
+    }
+    let expected = RayCaster::new(triangles.clone(), AccelKind::Bvh, &reference()).unwrap().hits(&mixed).unwrap();
+    let caster = RayCaster::new(triangles, AccelKind::Bvh, &device).unwrap();
+    for coherence in [Coherence::Coherent, Coherence::Incoherent] {
+        let caster = caster.expecting(coherence);
+        for count in [0, 1, 31, 32, 33, 65, 1000, 4097, mixed.len()] {
+            let (rays, expected) = (device.upload(&mixed[..count]).unwrap(), &expected[..count]);
+            let mut closest = Closest::new(&device, count as u32).unwrap();
+            caster.trace(&rays, &mut closest).unwrap();
+            let hits = closest.hits.to_vec().unwrap();
+            let bits = |hit: &Hit| [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive];
+            let differing = hits.iter().zip(expected).filter(|(a, b)| bits(a) != bits(b)).count();
+            assert_eq!((hits.len(), differing), (count, 0), "{coherence:?}");
+            let mut any = Any::new(&device, count as u32).unwrap();
+            caster.trace(&rays, &mut any).unwrap();
+            let any = any.blocked.to_vec().unwrap();
+            assert!(any.iter().zip(expected).all(|(&any, hit)| (any != 0) != hit.is_miss()), "{coherence:?}, {count}");
         }
     }
 }

@@ -1,0 +1,163 @@
+//! A batch of rays that go different ways, for GPUs.
+//!
+//! With a ray a thread, most lanes of a warp would wait: for those that still visit nodes, that test the triangles of a
+//! longer leaf, or that are not done. Here as many warps as fit on the device stay until the batch is answered, and lanes
+//! that are done get new rays (Aila and Laine 2009). The warp keeps together for a few nodes at a time, and tests the
+//! [triangles](share) of all its rays together, a lane a triangle.
+//!
+//! Answers are those of [`closest`](crate::traverse::closest) and [`occlusion`](crate::traverse::occlusion), to the bit. Where
+//! neighbours go the same way they keep together by themselves, and a ray a thread is faster.
+
+mod search;
+mod share;
+
+use core::mem::MaybeUninit;
+
+use crate::arch::{self, Tray, WARP};
+use crate::kernels::Thread;
+use crate::ray::{Hit, Ray, MISS};
+use crate::tally::Tally;
+use crate::traverse::bvh2::MAX_DEPTH;
+use crate::traverse::question::Question;
+use crate::traverse::Compact;
+use crate::triangle::Across;
+use crate::view::{View, ViewMut};
+use search::Search;
+use share::Share;
+
+/// Lanes with a leaf that are enough to test triangles, while others still have nodes to visit. This and the next by
+/// measurement, see `docs/bench`.
+const ENOUGH: u32 = if WARP > 1 { 6 } else { 1 };
+
+/// Lanes without a ray that are enough to begin new ones.
+const REFILL: u32 = if WARP > 1 { 12 } else { 1 };
+
+/// Rays taken, in the numbers that all warps share.
+const TAKEN: u32 = 0;
+
+/// Warps that are done.
+const DONE: u32 = 1;
+
+/// Answers a batch by as many threads as fit on the device at once.
+#[repr(C)]
+pub struct Pooled<Q: Question> {
+    /// Where to find hits.
+    pub tree: Compact,
+    /// The batch.
+    pub rays: View<Ray>,
+    /// One a ray, written.
+    pub answers: ViewMut<Q::Answer>,
+    /// Rays that were taken, and warps that are done; zeros before and after.
+    pub taken: ViewMut<u32>,
+    /// Warps of the launch.
+    pub warps: u32,
+}
+
+impl<Q: Question> Pooled<Q> {
+    /// Numbers that `taken` holds.
+    pub const NUMBERS: usize = 2;
+
+    #[inline(always)]
+    pub(crate) fn run(&self, _: Thread) {
+        let mut tray = Tray::<Across>::mine();
+        let mut room = [const { MaybeUninit::uninit() }; MAX_DEPTH + 1];
+        let mut search = Search::idle(&self.tree, &mut room);
+        // The lane's ray, the one that it begins next, and whether there may be more in the batch.
+        let (mut index, mut fresh, mut more) = (MISS, MISS, true);
+        loop {
+            if fresh != MISS {
+                index = fresh;
+                fresh = MISS;
+                let ray = self.rays.load(index).within_range();
+                // SAFETY: this lane's last ray was answered, and all lanes meet before they read.
+                unsafe { tray.put(&Across::new(&ray)) };
+                search.begin(&self.tree, &ray);
+            }
+            // Together again. Where threads meet that parted is up to the compiler otherwise, and they would go on apart.
+            // SAFETY: no thread leaves this loop before all of its warp do.
+            unsafe { arch::meet(ALL) };
+            search.descend::<Q>();
+            let leaf = search.leaf();
+            let (nodes, leaves) = (vote(search.is_at_node()), vote(leaf.is_some()));
+            let idle = ALL & !(nodes | leaves);
+            if if more { idle.count_ones() >= REFILL } else { idle == ALL } {
+                if search.is_over() && index != MISS {
+                    // SAFETY: every ray is taken once.
+                    unsafe { self.answers.set(index, self.answer(&search, &tray)) };
+                    index = MISS;
+                }
+                if !more {
+                    break;
+                }
+                let first = Tally::new(&self.taken, TAKEN).take(idle.count_ones());
+                let mine = first + (idle & arch::lanes_below()).count_ones();
+                if search.is_over() && mine < self.rays.len() {
+                    fresh = mine;
+                }
+                more = first + idle.count_ones() < self.rays.len();
+            } else if leaves.count_ones() >= ENOUGH || nodes == 0 {
+                let triangles = self.tree.triangles;
+                let share = Share::deal(leaf);
+                let t = share.test.and_then(|(lane, triangle)| {
+                    // SAFETY: that lane has a leaf, so it has put its ray there.
+                    let across = unsafe { tray.get(lane) };
+                    triangles.load(triangle).intersect(&across).map(|hit| hit.t)
+                });
+                let primitive = |triangle| triangles.load(triangle).primitive;
+                share.collect(t, |t, triangle| search.hit::<Q>(t, triangle, |a, b| primitive(a) < primitive(b)));
+                if let Some(leaf) = leaf {
+                    search.after_leaf::<Q>(share.rest(leaf));
+                }
+            }
+        }
+        self.leave();
+    }
+
+    /// The answer of a search that is over.
+    #[inline(always)]
+    fn answer(&self, search: &Search, tray: &Tray<Across>) -> Q::Answer {
+        if search.best == MISS {
+            return Q::from_hit(Hit::NONE);
+        }
+        if !Q::ORDERED {
+            return Q::from_hit(Hit { primitive: search.best, ..Hit::NONE });
+        }
+        // SAFETY: this lane has put its ray there.
+        let across = unsafe { tray.get(arch::lane()) };
+        // As it was found, so there is one.
+        Q::from_hit(self.tree.triangles.load(search.best).intersect(&across).unwrap_or(Hit::NONE))
+    }
+
+    /// The last warp to leave sets the numbers back for the next launch.
+    #[inline(always)]
+    fn leave(&self) {
+        if Tally::new(&self.taken, DONE).take(1) + 1 == self.warps && arch::lane() == 0 {
+            Tally::new(&self.taken, TAKEN).clear();
+            Tally::new(&self.taken, DONE).clear();
+        }
+    }
+}
+
+/// All threads of a warp, a bit each.
+const ALL: u32 = u32::MAX >> (32 - WARP);
+
+/// Which threads of the warp say yes, a bit each. All of them are here.
+#[inline(always)]
+fn vote(value: bool) -> u32 {
+    // SAFETY: no thread leaves the loop of a pool before all of its warp do.
+    unsafe { arch::ballot(ALL, value) }
+}
+
+/// The value that a lane has; of a lane that there is not, any. All threads of the warp are here.
+#[inline(always)]
+fn from(value: u32, lane: u32) -> u32 {
+    // SAFETY: as in `vote`.
+    unsafe { arch::broadcast(ALL, value, lane) }
+}
+
+impl<Q: Question> Clone for Pooled<Q> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<Q: Question> Copy for Pooled<Q> {}

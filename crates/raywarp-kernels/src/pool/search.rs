@@ -1,0 +1,101 @@
+//! What a lane of a pool has on its way.
+
+use core::mem::MaybeUninit;
+
+use crate::math::Vec3;
+use crate::ray::{Ray, MISS};
+use crate::traverse::binary::{step, Aside, Boxes, LEAVES};
+use crate::traverse::bvh2::{Child, MAX_DEPTH};
+use crate::traverse::compact::OnGrid;
+use crate::traverse::question::Question;
+use crate::traverse::Compact;
+
+/// Room for a search's links.
+pub(super) type Room = [MaybeUninit<u32>; MAX_DEPTH + 1];
+
+/// No link.
+const END: u32 = Aside::END;
+
+/// Nodes that a lane visits before the warp looks what its lanes have come to; by measurement, see `docs/bench`.
+const STEPS: u32 = 2;
+
+/// A ray's way through the small nodes.
+pub(super) struct Search<'a> {
+    boxes: OnGrid,
+    links: Aside<'a>,
+    /// Distances between which a hit counts.
+    t_min: f32,
+    t_far: f32,
+    /// The next node or leaf.
+    next: u32,
+    /// Index among the tree's triangles of the nearest one hit, or of any; [`MISS`] for none.
+    pub best: u32,
+}
+
+impl<'a> Search<'a> {
+    /// Without a ray: it is over.
+    #[inline(always)]
+    pub fn idle(tree: &Compact, room: &'a mut Room) -> Self {
+        let boxes = OnGrid::new(tree, &Ray::new(Vec3::ZERO, Vec3::ZERO));
+        Self { boxes, links: Aside::new(room), t_min: 0.0, t_far: 0.0, next: END, best: MISS }
+    }
+
+    /// Begins a ray at the root.
+    #[inline(always)]
+    pub fn begin(&mut self, tree: &Compact, ray: &Ray) {
+        self.boxes = OnGrid::new(tree, ray);
+        self.links.clear();
+        (self.t_min, self.t_far) = (ray.t_min, ray.t_max);
+        (self.next, self.best) = (0, MISS);
+    }
+
+    #[inline(always)]
+    pub fn is_over(&self) -> bool {
+        self.next == END
+    }
+
+    #[inline(always)]
+    pub fn is_at_node(&self) -> bool {
+        self.next < LEAVES
+    }
+
+    /// The leaf that is next.
+    #[inline(always)]
+    pub fn leaf(&self) -> Option<Child> {
+        (!self.is_at_node() && !self.is_over()).then(|| Child::of_bits(self.next))
+    }
+
+    /// Visits a few nodes, or as many as there are before a leaf.
+    #[inline(always)]
+    pub fn descend<Q: Question>(&mut self) {
+        let mut steps = 0;
+        while self.is_at_node() {
+            let [a, b] = self.boxes.children(self.next, self.t_min, self.t_far);
+            self.next = step::<Q>(&mut self.links, a, b);
+            steps += 1;
+            if steps >= STEPS {
+                break;
+            }
+        }
+    }
+
+    /// A triangle is hit at `t`; `before` says whether it comes before another one at the same distance.
+    #[inline(always)]
+    pub fn hit<Q: Question>(&mut self, t: f32, triangle: u32, before: impl Fn(u32, u32) -> bool) {
+        let first = self.best == MISS || t < self.t_far || !Q::ORDERED || before(triangle, self.best);
+        if t >= self.t_min && t <= self.t_far && first {
+            (self.t_far, self.best) = (t, triangle);
+        }
+    }
+
+    /// Goes on after a leaf of which `rest` is left.
+    #[inline(always)]
+    pub fn after_leaf<Q: Question>(&mut self, rest: Option<Child>) {
+        self.next = match rest {
+            _ if !Q::ORDERED && self.best != MISS => END,
+            Some(rest) => rest.bits(),
+            // SAFETY: a search with a leaf is not over, so the end was not popped.
+            None => unsafe { self.links.pop() },
+        };
+    }
+}
