@@ -27,7 +27,7 @@ use share::Share;
 
 /// Lanes with a leaf that are enough to test triangles, while others still have nodes to visit. This and the next by
 /// measurement, see `docs/bench`.
-const ENOUGH: u32 = if WARP > 1 { 6 } else { 1 };
+const ENOUGH: u32 = if WARP > 1 { 9 } else { 1 };
 
 /// Lanes without a ray that are enough to begin new ones.
 const REFILL: u32 = if WARP > 1 { 12 } else { 1 };
