@@ -3,7 +3,7 @@
 //! With a ray a thread, most lanes of a warp would wait: for those that still visit nodes, that test the triangles of a
 //! longer leaf, or that are not done. Here as many warps as fit on the device stay until the batch is answered, and lanes
 //! that are done get new rays (Aila and Laine 2009). The warp keeps together for a few nodes at a time, and tests the
-//! [triangles](share) of all its rays together, a lane a triangle.
+//! triangles of all its rays together, a lane a triangle.
 //!
 //! Answers are those of [`closest`](crate::traverse::closest) and [`occlusion`](crate::traverse::occlusion), to the bit. Where
 //! neighbours go the same way they keep together by themselves, and a ray a thread is faster.

@@ -1,6 +1,5 @@
 //! Whether a scene's meshes are placed by instances of a structure, or brought to world space one by one.
 
-
 use super::{Geometries, QueryError, RayCaster, Report, Shared};
 use crate::accel::instanced::{self, Instanced, Placement};
 use crate::accel::{AnyResident, BuildError, Quality, ResidentInstanced};

@@ -14,7 +14,7 @@ use crate::accel::bvh2::Bvh2;
 use crate::accel::Build;
 
 /// Of the format and of the builders: to be raised when either changes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 const MAGIC: [u8; 8] = *b"raywarpT";
 
