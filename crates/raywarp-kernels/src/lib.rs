@@ -8,8 +8,8 @@
 //! The modules in the order in which a ray meets them: [`camera`] and [`sample`] make it, [`traverse`] finds the
 //! [`triangle`] it hits, [`surface`], [`material`] and [`texture`] say what is there, [`light`] and [`shade`] what it
 //! sends back, [`film`] keeps the sum, which [`display`] and [`screen`] show. [`refit`] moves triangles
-//! within a tree. [`sharing`] has other ways to share out rays among threads, for measuring. [`kernels`] lists what can be
-//! launched.
+//! within a tree. [`pool`] answers batches whose rays go different ways; [`sharing`] has other ways to share out rays among
+//! threads, for measuring. [`kernels`] lists what can be launched.
 #![cfg_attr(target_arch = "nvptx64", no_std)]
 #![cfg_attr(target_arch = "nvptx64", feature(stdarch_nvptx, core_intrinsics, core_float_math, asm_experimental_arch))]
 #![cfg_attr(target_arch = "nvptx64", allow(internal_features))]

@@ -2,7 +2,6 @@
 
 use super::{Nearest, Obstacle, Occlusion, Visitor, START};
 use crate::ray::{Hit, Ray};
-
 use crate::triangle::{Across, Triangle};
 
 /// A question about one ray, while it is being answered.

@@ -56,6 +56,7 @@ pub(crate) enum Resident {
 
 /// Evaluates an expression with the structure's view under a name, once for each kind. `both` says how a tree in two
 /// layouts is traversed: as [`Octants`](raywarp_kernels::traverse::Octants), which is a long kernel, or by its small nodes.
+/// Queries may also ask a [pool](raywarp_kernels::pool).
 macro_rules! with_structure {
     ($resident:expr, $structure:ident => $body:expr) => {
         $crate::accel::with_structure!($resident, $structure, both => both, $body)
