@@ -80,7 +80,8 @@ impl<Q: Question> Pooled<Q> {
             let leaf = search.leaf();
             let (nodes, leaves) = (vote(search.is_at_node()), vote(leaf.is_some()));
             let idle = ALL & !(nodes | leaves);
-            if if more { idle.count_ones() >= REFILL } else { idle == ALL } {
+            let refill = if more { idle.count_ones() >= REFILL } else { idle == ALL };
+            if refill {
                 if search.is_over() && index != MISS {
                     // SAFETY: every ray is taken once.
                     unsafe { self.answers.set(index, self.answer(&search, &tray)) };
