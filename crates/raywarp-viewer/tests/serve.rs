@@ -188,6 +188,8 @@ fn two_clients_have_a_camera_each() {
     let moved = lossless(&mut one);
     assert_ne!(moved, first);
     assert!(other.picture_within(Duration::from_millis(500)).is_none());
+    // It is told again what has changed, before the first one, which says nothing any more, is taken to be gone.
+    other.send(&event(json!({"kind": "wheel", "notches": 1})));
     assert_eq!(other.text("status")["link"]["viewers"], 2);
 }
 
