@@ -216,9 +216,14 @@ impl<S: Structure> Surfels<S> {
     }
 }
 
+/// A thread has the ray brought closer that comes so many after its own: on large GPUs the next threads to run are those
+/// of about that ray, and they would all begin by waiting for the slowest memory.
+const AHEAD: u32 = 1 << 16;
+
 /// The thread's ray of a batch; none beyond the end.
 #[inline(always)]
 fn query(rays: &View<Ray>, thread: Thread) -> Option<Ray> {
+    rays.prefetch(thread.x.saturating_add(AHEAD));
     (thread.x < rays.len()).then(|| rays.load(thread.x).within_range())
 }
 

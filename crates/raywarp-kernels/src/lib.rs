@@ -26,6 +26,7 @@ pub mod light;
 pub mod material;
 pub mod math;
 pub mod pool;
+mod queue;
 pub mod ray;
 pub mod refit;
 pub mod sample;

@@ -14,19 +14,13 @@ impl Tally {
         Self(numbers.shared(index))
     }
 
-    /// Adds; what the number was.
-    #[inline(always)]
-    pub fn add(&self, count: u32) -> u32 {
-        // SAFETY: the promise of whoever launches.
-        unsafe { arch::add(self.0, count) }
-    }
-
     /// One thread of the warp adds; all get what the number was. All threads of the warp are here.
     #[inline(always)]
     pub fn take(&self, count: u32) -> u32 {
         let mut before = 0;
         if arch::lane() == 0 {
-            before = self.add(count);
+            // SAFETY: the promise of whoever launches.
+            before = unsafe { arch::add(self.0, count) };
         }
         // SAFETY: all threads of the warp are here.
         unsafe { arch::broadcast(u32::MAX, before, 0) }

@@ -1,5 +1,7 @@
 //! Arrays in the memory of the device that runs the kernel.
 
+use crate::arch;
+
 /// Read-only array: an address and a length, the same on host and device.
 #[repr(C)]
 #[derive(Debug)]
@@ -67,14 +69,22 @@ impl<T: Copy> View<T> {
     pub(crate) fn load(&self, index: u32) -> T {
         debug_assert!(index < self.len, "index {index} of {}", self.len);
         // SAFETY: as for `at`; `arch::load` checks the granules when it is compiled.
-        unsafe { crate::arch::load(self.address.add(index as usize)) }
+        unsafe { arch::load(arch::item(self.address, index)) }
+    }
+
+    /// Has the item at `index` brought closer, for another thread that will read it soon; nothing beyond the end.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, index: u32) {
+        if index < self.len {
+            arch::prefetch(self.address.wrapping_add(index as usize));
+        }
     }
 
     /// As [`load`](Self::load), of a part of the item: what is not asked for is not read.
     #[inline(always)]
     pub(crate) fn load_part<P: Copy>(&self, index: u32, part: impl FnOnce(&T) -> &P) -> P {
         // SAFETY: the part is valid as the item is; `arch::load` checks the granules when it is compiled.
-        unsafe { crate::arch::load(part(self.item(index))) }
+        unsafe { arch::load(part(self.item(index))) }
     }
 }
 

@@ -20,7 +20,10 @@ const ANY_BLOCK: Bounds = Bounds { threads: 256, ..DEFAULT };
 /// What traces through boxes, and nothing else: half of the threads of a multiprocessor fit.
 const TRACING: Bounds = Bounds { registers: 64, ..ANY_BLOCK };
 
-/// Half of what a ray needs is in shared memory: more threads fit.
+/// As [`TRACING`], with a loop for each octant: fewer threads fit, but nothing spills.
+const OCTANTS: Bounds = Bounds { registers: 72, ..ANY_BLOCK };
+
+/// Half of what a ray needs is in shared memory: more threads fit where only any hit is looked for.
 const POOLED: Bounds = Bounds { registers: 56, ..DEFAULT };
 
 /// The first row whose first column begins a kernel's name holds; [`DEFAULT`] where none does.
@@ -29,9 +32,12 @@ const TABLE: &[(&str, Bounds)] = &[
     ("whitted_brute", Bounds { registers: 64, ..ANY_BLOCK }),
     ("whitted_kd", Bounds { registers: 72, ..ANY_BLOCK }),
     ("whitted_bvh2", Bounds { registers: 128, ..ANY_BLOCK }),
-    ("closest_bvh_pooled", POOLED),
+    ("closest_bvh_pooled", Bounds { registers: 64, ..DEFAULT }),
     ("occluded_bvh_pooled", POOLED),
-    ("closest_bvh", TRACING),
+    ("closest_bvh2", TRACING),
+    ("closest_bvh4", TRACING),
+    ("closest_bvh8", TRACING),
+    ("closest_bvh", OCTANTS),
     ("occluded_bvh", TRACING),
     ("whitted_staged", Bounds { registers: 64, ..DEFAULT }),
     ("closest_ifif", TRACING),

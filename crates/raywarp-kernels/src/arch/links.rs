@@ -2,11 +2,18 @@
 
 /// A stack of links to nodes that are still to be visited, with [`Links::END`] at its bottom.
 ///
-/// On the GPU it is addressed within the thread's local memory, and its every step is predicated: as plain code each
+/// A search uses [`descend`](Self::descend) and [`pop`](Self::pop), or [`descend_either`](Self::descend_either) and
+/// [`pop_either`](Self::pop_either), but never both: on the GPU the former keep the last link in a register, so that nobody
+/// waits for what was put aside, and the latter keep it in memory, which takes less of a search that soon ends.
+///
+/// There the stack is addressed within the thread's local memory, and its every step is predicated: as plain code each
 /// would be a branch, where the threads of a warp part.
 pub struct Links<'a, const N: usize> {
     #[cfg(target_arch = "nvptx64")]
     top: u32,
+    /// What `descend` put aside last, or `END`; it is not in memory yet.
+    #[cfg(target_arch = "nvptx64")]
+    last: u32,
     #[cfg(not(target_arch = "nvptx64"))]
     top: usize,
     room: &'a mut [core::mem::MaybeUninit<u32>; N],
@@ -39,7 +46,7 @@ impl<'a, const N: usize> Links<'a, N> {
                     "{{ .reg .b64 a; cvta.to.local.u64 a, {p}; cvt.u32.u64 {s}, a; st.local.u32 [{s}], -1; add.u32 {s}, {s}, 4; }}",
                     p = in(reg64) room.as_mut_ptr(), s = out(reg32) top, options(nostack));
             }
-            Self { top, room }
+            Self { top, last: Self::END, room }
         }
         #[cfg(not(target_arch = "nvptx64"))]
         {
@@ -52,11 +59,14 @@ impl<'a, const N: usize> Links<'a, N> {
     #[inline(always)]
     pub fn clear(&mut self) {
         #[cfg(target_arch = "nvptx64")]
-        // SAFETY: as in `new`, whose `END` is still at the bottom.
-        unsafe {
-            core::arch::asm!(
-                "{{ .reg .b64 a; cvta.to.local.u64 a, {p}; cvt.u32.u64 {s}, a; add.u32 {s}, {s}, 4; }}",
-                p = in(reg64) self.room.as_mut_ptr(), s = out(reg32) self.top, options(nostack));
+        {
+            self.last = Self::END;
+            // SAFETY: as in `new`, whose `END` is still at the bottom.
+            unsafe {
+                core::arch::asm!(
+                    "{{ .reg .b64 a; cvta.to.local.u64 a, {p}; cvt.u32.u64 {s}, a; add.u32 {s}, {s}, 4; }}",
+                    p = in(reg64) self.room.as_mut_ptr(), s = out(reg32) self.top, options(nostack));
+            }
         }
         #[cfg(not(target_arch = "nvptx64"))]
         {
@@ -79,20 +89,23 @@ impl<'a, const N: usize> Links<'a, N> {
                 core::arch::asm!("{{ .reg .pred a, b, q, both, any; .reg .b32 f;",
                     "setp.le.f32 a, {fa}, {la};",
                     "setp.le.f32 b, {fb}, {lb};",
-                    "setp.lt.and.f32 q, {fb}, {fa}, b;",
+                    "setp.lt.f32 q, {fb}, {fa};",
                     "not.pred any, a;",
-                    "or.pred q, q, any;",
                     "and.pred both, a, b;",
+                    "and.pred q, q, b;",
+                    "or.pred q, q, any;",
                     "or.pred any, a, b;",
                     "selp.b32 {n}, {cb}, {ca}, q;",
                     "selp.b32 f, {ca}, {cb}, q;",
-                    "@both st.local.u32 [{top}], f;",
+                    "@both st.local.u32 [{top}], {last};",
                     "@both add.u32 {top}, {top}, 4;",
+                    "selp.b32 {n}, {n}, {last}, any;",
+                    "selp.b32 {last}, f, {last}, both;",
                     "@!any sub.u32 {top}, {top}, 4;",
-                    "@!any ld.local.u32 {n}, [{top}]; }}",
+                    "@!any ld.local.u32 {last}, [{top}]; }}",
                     fa = in(reg32) a.first, la = in(reg32) a.last, fb = in(reg32) b.first, lb = in(reg32) b.last,
                     ca = in(reg32) a.link, cb = in(reg32) b.link, n = out(reg32) next, top = inout(reg32) self.top,
-                    options(nostack));
+                    last = inout(reg32) self.last, options(nostack));
             }
             next
         }
@@ -101,7 +114,7 @@ impl<'a, const N: usize> Links<'a, N> {
             let (met_a, met_b) = (a.first <= a.last, b.first <= b.last);
             if !met_a && !met_b {
                 // SAFETY: the caller's promise.
-                return unsafe { self.pop() };
+                return unsafe { self.read_back() };
             }
             let (near, far) = if met_b && (!met_a || b.first < a.first) { (b, a) } else { (a, b) };
             if met_a && met_b {
@@ -144,7 +157,7 @@ impl<'a, const N: usize> Links<'a, N> {
         {
             match (a.first <= a.last, b.first <= b.last) {
                 // SAFETY: the caller's promise.
-                (false, false) => unsafe { self.pop() },
+                (false, false) => unsafe { self.read_back() },
                 (false, true) => b.link,
                 (true, false) => a.link,
                 (true, true) => {
@@ -156,7 +169,7 @@ impl<'a, const N: usize> Links<'a, N> {
         }
     }
 
-    /// The last link put aside, or [`END`](Self::END), once.
+    /// The last link put aside by [`descend`](Self::descend), or [`END`](Self::END), once.
     ///
     /// # Safety
     /// `END` was not popped before.
@@ -164,8 +177,38 @@ impl<'a, const N: usize> Links<'a, N> {
     pub unsafe fn pop(&mut self) -> u32 {
         #[cfg(target_arch = "nvptx64")]
         {
+            let link = self.last;
+            // SAFETY: the caller's promise keeps `top` within the room.
+            self.last = unsafe { self.read_back() };
+            link
+        }
+        #[cfg(not(target_arch = "nvptx64"))]
+        // SAFETY: the caller's promise.
+        unsafe {
+            self.read_back()
+        }
+    }
+
+    /// The last link put aside by [`descend_either`](Self::descend_either), or [`END`](Self::END), once.
+    ///
+    /// # Safety
+    /// `END` was not popped before.
+    #[inline(always)]
+    pub unsafe fn pop_either(&mut self) -> u32 {
+        // SAFETY: the caller's promise.
+        unsafe { self.read_back() }
+    }
+
+    /// What was written last, taken off.
+    ///
+    /// # Safety
+    /// Something is left in the room.
+    #[inline(always)]
+    unsafe fn read_back(&mut self) -> u32 {
+        #[cfg(target_arch = "nvptx64")]
+        {
             let link: u32;
-            // SAFETY: the caller's promise keeps `top` above the bottom.
+            // SAFETY: the caller's promise keeps `top` within the room.
             unsafe {
                 core::arch::asm!("sub.u32 {top}, {top}, 4;", "ld.local.u32 {n}, [{top}];", n = out(reg32) link,
                     top = inout(reg32) self.top, options(nostack));

@@ -87,6 +87,44 @@ unsafe fn load_granules<T: Copy>(from: *const T) -> T {
     unsafe { item.assume_init() }
 }
 
+/// Where the item at `index` of an array is.
+///
+/// On the GPU, for items of 2^n bytes, by a shift and an addition, which take the array's address from where a kernel has
+/// its parameters. The compiler would multiply, which cannot, and fetch the address before every node, with the ray waiting
+/// for it.
+///
+/// # Safety
+/// The array has such an item.
+#[inline(always)]
+pub unsafe fn item<T>(array: *const T, index: u32) -> *const T {
+    #[cfg(target_arch = "nvptx64")]
+    if size_of::<T>().is_power_of_two() {
+        let address;
+        // SAFETY: arithmetic on registers.
+        unsafe {
+            core::arch::asm!("{{ .reg .b64 o; cvt.u64.u32 o, {i}; shl.b64 o, o, {s}; add.u64 {p}, {a}, o; }}",
+                i = in(reg32) index, s = const size_of::<T>().trailing_zeros(), a = in(reg64) array,
+                p = out(reg64) address, options(pure, nomem, nostack));
+        }
+        return address;
+    }
+    // SAFETY: the caller's promise.
+    unsafe { array.add(index as usize) }
+}
+
+/// Has what lies at an address of the device brought closer, for a thread that will read it later; nothing on a CPU,
+/// which sees by itself what is read in order.
+#[inline(always)]
+pub fn prefetch<T>(address: *const T) {
+    #[cfg(target_arch = "nvptx64")]
+    // SAFETY: reads nothing; an address where nothing is does no harm.
+    unsafe {
+        core::arch::asm!("prefetch.global.L2 [{p}];", p = in(reg64) address, options(nostack))
+    };
+    #[cfg(not(target_arch = "nvptx64"))]
+    let _ = address;
+}
+
 /// Four bytes out of eight, those of `a` being 0 to 3 and those of `b` 4 to 7: each digit of `selector`, from the lowest,
 /// names the next byte of the result.
 #[inline(always)]

@@ -15,8 +15,8 @@ use core::mem::MaybeUninit;
 
 use crate::arch::{self, Tray, WARP};
 use crate::kernels::Thread;
+use crate::queue::Queue;
 use crate::ray::{Hit, Ray, MISS};
-use crate::tally::Tally;
 use crate::traverse::bvh2::MAX_DEPTH;
 use crate::traverse::question::Question;
 use crate::traverse::Compact;
@@ -27,16 +27,10 @@ use share::Share;
 
 /// Lanes with a leaf that are enough to test triangles, while others still have nodes to visit. This and the next by
 /// measurement, see `docs/bench`.
-const ENOUGH: u32 = if WARP > 1 { 9 } else { 1 };
+const ENOUGH: u32 = if WARP > 1 { 6 } else { 1 };
 
 /// Lanes without a ray that are enough to begin new ones.
 const REFILL: u32 = if WARP > 1 { 12 } else { 1 };
-
-/// Rays taken, in the numbers that all warps share.
-const TAKEN: u32 = 0;
-
-/// Warps that are done.
-const DONE: u32 = 1;
 
 /// Answers a batch by as many threads as fit on the device at once.
 #[repr(C)]
@@ -62,6 +56,7 @@ impl<Q: Question> Pooled<Q> {
         let mut tray = Tray::<Across>::mine();
         let mut room = [const { MaybeUninit::uninit() }; MAX_DEPTH + 1];
         let mut search = Search::idle(&self.tree, &mut room);
+        let queue = Queue::new(&self.taken, self.rays.len());
         // The lane's ray, the one that it begins next, and whether there may be more in the batch.
         let (mut index, mut fresh, mut more) = (MISS, MISS, true);
         loop {
@@ -90,12 +85,11 @@ impl<Q: Question> Pooled<Q> {
                 if !more {
                     break;
                 }
-                let first = Tally::new(&self.taken, TAKEN).take(idle.count_ones());
-                let mine = first + (idle & arch::lanes_below()).count_ones();
+                let mine;
+                (mine, more) = queue.take(idle);
                 if search.is_over() && mine < self.rays.len() {
                     fresh = mine;
                 }
-                more = first + idle.count_ones() < self.rays.len();
             } else if leaves.count_ones() >= ENOUGH || nodes == 0 {
                 let triangles = self.tree.triangles;
                 let share = Share::deal(leaf);
@@ -111,7 +105,7 @@ impl<Q: Question> Pooled<Q> {
                 }
             }
         }
-        self.leave();
+        queue.leave(self.warps);
     }
 
     /// The answer of a search that is over.
@@ -127,15 +121,6 @@ impl<Q: Question> Pooled<Q> {
         let across = unsafe { tray.get(arch::lane()) };
         // As it was found, so there is one.
         Q::from_hit(self.tree.triangles.load(search.best).intersect(&across).unwrap_or(Hit::NONE))
-    }
-
-    /// The last warp to leave sets the numbers back for the next launch.
-    #[inline(always)]
-    fn leave(&self) {
-        if Tally::new(&self.taken, DONE).take(1) + 1 == self.warps && arch::lane() == 0 {
-            Tally::new(&self.taken, TAKEN).clear();
-            Tally::new(&self.taken, DONE).clear();
-        }
     }
 }
 

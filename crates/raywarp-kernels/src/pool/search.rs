@@ -1,23 +1,18 @@
 //! What a lane of a pool has on its way.
 
-use core::mem::MaybeUninit;
-
 use crate::math::Vec3;
 use crate::ray::{Ray, MISS};
-use crate::traverse::binary::{step, Aside, Boxes, LEAVES};
-use crate::traverse::bvh2::{Child, MAX_DEPTH};
+use crate::traverse::binary::{step, step_back, Aside, Boxes, Room, LEAVES};
+use crate::traverse::bvh2::Child;
 use crate::traverse::compact::OnGrid;
 use crate::traverse::question::Question;
 use crate::traverse::Compact;
-
-/// Room for a search's links.
-pub(super) type Room = [MaybeUninit<u32>; MAX_DEPTH + 1];
 
 /// No link.
 const END: u32 = Aside::END;
 
 /// Nodes that a lane visits before the warp looks what its lanes have come to; by measurement, see `docs/bench`.
-const STEPS: u32 = 2;
+const STEPS: u32 = 4;
 
 /// A ray's way through the small nodes.
 pub(super) struct Search<'a> {
@@ -95,7 +90,7 @@ impl<'a> Search<'a> {
             _ if !Q::ORDERED && self.best != MISS => END,
             Some(rest) => rest.bits(),
             // SAFETY: a search with a leaf is not over, so the end was not popped.
-            None => unsafe { self.links.pop() },
+            None => unsafe { step_back::<Q>(&mut self.links) },
         };
     }
 }

@@ -6,8 +6,8 @@ use super::form::Form;
 use super::search::Search;
 use crate::arch::{self, WARP};
 use crate::kernels::Thread;
+use crate::queue::Queue;
 use crate::ray::{Ray, MISS};
-use crate::tally::Tally;
 use crate::traverse::bvh2::{Bvh2, MAX_DEPTH};
 use crate::traverse::question::Question;
 use crate::traverse::Uncounted;
@@ -38,19 +38,19 @@ impl<F: Form, Q: Question> Refill<F, Q> {
     pub(crate) fn run(&self, _: Thread) {
         let mut room = [const { core::mem::MaybeUninit::uninit() }; MAX_DEPTH + 1];
         let mut search = Search::<Q>::idle(&self.tree, &mut room);
+        let queue = Queue::new(&self.taken, self.rays.len());
         let (mut index, mut left) = (MISS, true);
         // SAFETY: no thread leaves these loops before all of its warp do.
         let vote = |value: bool| unsafe { arch::ballot(u32::MAX, value) };
         loop {
             let wanting = vote(index == MISS);
             if left && wanting != 0 {
-                let first = Tally::new(&self.taken, 0).take(wanting.count_ones());
-                let mine = first + (wanting & arch::lanes_below()).count_ones();
+                let mine;
+                (mine, left) = queue.take(wanting);
                 if index == MISS && mine < self.rays.len() {
                     index = mine;
                     search.begin(&self.rays.load(index));
                 }
-                left = first + wanting.count_ones() < self.rays.len();
             }
             loop {
                 if index != MISS {
@@ -70,10 +70,7 @@ impl<F: Form, Q: Question> Refill<F, Q> {
                 break;
             }
         }
-        if Tally::new(&self.taken, 1).take(1) + 1 == self.warps && arch::lane() == 0 {
-            Tally::new(&self.taken, 0).clear();
-            Tally::new(&self.taken, 1).clear();
-        }
+        queue.leave(self.warps);
     }
 }
 

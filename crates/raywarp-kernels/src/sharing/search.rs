@@ -1,16 +1,11 @@
 //! One ray on its way through a tree, which can be put aside after any step.
 
-use core::mem::MaybeUninit;
-
 use crate::ray::Ray;
-use crate::traverse::binary::{step, Aside, Boxes, LEAVES};
-use crate::traverse::bvh2::{Bvh2, Child, Full, ANY, MAX_DEPTH};
+use crate::traverse::binary::{step, step_back, Aside, Boxes, Room, LEAVES};
+use crate::traverse::bvh2::{Bvh2, Child, Full, ANY};
 use crate::traverse::question::Question;
 use crate::traverse::Counter;
 use crate::triangle::Across;
-
-/// Room for a search's links.
-pub type Room = [MaybeUninit<u32>; MAX_DEPTH + 1];
 
 /// No link: the bottom of the stack, or no leaf in hand.
 const NONE: u32 = Aside::END;
@@ -103,7 +98,7 @@ impl<'a, Q: Question> Search<'a, Q> {
     pub fn hold(&mut self) {
         self.held = self.next;
         // SAFETY: a leaf is not the bottom of the stack, which so was not popped.
-        self.next = unsafe { self.links.pop() };
+        self.next = unsafe { step_back::<Q>(&mut self.links) };
     }
 
     /// Tests all triangles of the leaf that is next.

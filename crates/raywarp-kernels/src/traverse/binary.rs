@@ -62,6 +62,9 @@ pub(crate) const LEAVES: u32 = 1 << 28;
 /// Links of a way down: one is put aside at each of at most [`MAX_DEPTH`] nodes, `validate` sees to that.
 pub(crate) type Aside<'a> = Links<'a, { MAX_DEPTH + 1 }>;
 
+/// Where those lie.
+pub type Room = [MaybeUninit<u32>; MAX_DEPTH + 1];
+
 /// From a node's children to the next link.
 #[inline(always)]
 pub(crate) fn step<V: Visitor>(links: &mut Aside, a: Meeting, b: Meeting) -> u32 {
@@ -75,6 +78,22 @@ pub(crate) fn step<V: Visitor>(links: &mut Aside, a: Meeting, b: Meeting) -> u32
     }
 }
 
+/// From a leaf to the next link.
+///
+/// # Safety
+/// The end was not reached before.
+#[inline(always)]
+pub(crate) unsafe fn step_back<V: Visitor>(links: &mut Aside) -> u32 {
+    // SAFETY: the caller's promise.
+    unsafe {
+        if V::ORDERED {
+            links.pop()
+        } else {
+            links.pop_either()
+        }
+    }
+}
+
 /// Shows the visitor what lies in the boxes that the ray meets, in the order that it asks for.
 #[inline(always)]
 pub fn walk<V: Visitor>(
@@ -84,20 +103,16 @@ pub fn walk<V: Visitor>(
     counter: &mut impl Counter,
     visitor: &mut V,
 ) {
-    let across = Across::new(ray);
     let mut room = [const { MaybeUninit::uninit() }; MAX_DEPTH + 1];
     let mut links = Links::new(&mut room);
     let mut t_far = ray.t_max;
-    let mut next = 0;
+    let mut next = descend::<V>(boxes, 0, ray.t_min, t_far, &mut links, counter);
+    if next == Aside::END {
+        return;
+    }
+    // Not before: many rays meet no triangle's box.
+    let across = Across::new(ray);
     loop {
-        while next < LEAVES {
-            counter.node();
-            let [a, b] = boxes.children(next, ray.t_min, t_far);
-            next = step::<V>(&mut links, a, b);
-        }
-        if next == Aside::END {
-            return;
-        }
         counter.leaf();
         let leaf = Child::of_bits(next);
         let mut index = leaf.index();
@@ -113,7 +128,29 @@ pub fn walk<V: Visitor>(
                 break;
             }
         }
-        // SAFETY: `END` ends the loop above.
-        next = unsafe { links.pop() };
+        // SAFETY: `END` ends this loop.
+        next = unsafe { step_back::<V>(&mut links) };
+        next = descend::<V>(boxes, next, ray.t_min, t_far, &mut links, counter);
+        if next == Aside::END {
+            return;
+        }
     }
+}
+
+/// From a link on to the first that is no node.
+#[inline(always)]
+fn descend<V: Visitor>(
+    boxes: &impl Boxes,
+    mut next: u32,
+    t_min: f32,
+    t_far: f32,
+    links: &mut Aside,
+    counter: &mut impl Counter,
+) -> u32 {
+    while next < LEAVES {
+        counter.node();
+        let [a, b] = boxes.children(next, t_min, t_far);
+        next = step::<V>(links, a, b);
+    }
+    next
 }

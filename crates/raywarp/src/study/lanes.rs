@@ -6,7 +6,8 @@
 use std::mem::MaybeUninit;
 
 use rayon::prelude::*;
-use raywarp_kernels::sharing::search::{Room, Search};
+use raywarp_kernels::sharing::search::Search;
+use raywarp_kernels::traverse::binary::Room;
 use raywarp_kernels::traverse::bvh2::MAX_DEPTH;
 use raywarp_kernels::traverse::question::{AnyHit, ClosestHit, Question};
 use raywarp_kernels::traverse::{self, Counter, Uncounted};
