@@ -46,7 +46,7 @@ struct Entrant {
 /// A structure with rays before it.
 struct Runner<'a> {
     entrant: &'a Entrant,
-    batch: Timed<'a>,
+    batch: Timed,
     seconds: Vec<f64>,
 }
 

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use super::device::{Answer, Any, Closest, Count};
 use super::question::{Collect, Question};
-use super::{AllHits, Coherence, Hits, QueryError, RayCaster};
+use super::{AllHits, Hits, QueryError, RayCaster};
 use crate::backend::{Buffer, Pace};
 use crate::{Hit, Ray};
 
@@ -86,8 +86,9 @@ impl<'a> Batch<'a> {
     /// As for [`closest`](Self::closest).
     pub fn any(mut self) -> Result<Vec<bool>, QueryError> {
         let mut blocked = Vec::with_capacity(self.rays.len());
-        self.passes(|caster, rays| {
-            let (seconds, answer) = answered(caster, rays, Any::new(caster.device(), rays.len() as u32)?)?;
+        let caster = self.caster.suited_to(self.rays, Any::new)?;
+        self.passes(|_, rays| {
+            let (seconds, answer) = answered(&caster, rays, Any::new(caster.device(), rays.len() as u32)?)?;
             blocked.extend(answer.blocked.download()?.iter().map(|&answer| answer != 0));
             Ok(seconds)
         })?;
@@ -156,8 +157,9 @@ impl<'a> Batch<'a> {
     }
 
     fn each_hit(mut self, mut take: impl FnMut(Vec<Hit>)) -> Result<(), QueryError> {
-        self.passes(|caster, rays| {
-            let (seconds, answer) = answered(caster, rays, Closest::new(caster.device(), rays.len() as u32)?)?;
+        let caster = self.caster.suited_to(self.rays, Closest::new)?;
+        self.passes(|_, rays| {
+            let (seconds, answer) = answered(&caster, rays, Closest::new(caster.device(), rays.len() as u32)?)?;
             take(answer.hits.download()?);
             Ok(seconds)
         })
@@ -201,9 +203,8 @@ impl<'a> Batch<'a> {
 
 /// Traces the rays of a pass.
 fn answered<A: Answer>(caster: &RayCaster, rays: &[Ray], mut answer: A) -> Result<(f64, A), QueryError> {
-    let coherence = Coherence::of(rays);
     let rays = caster.device().upload(rays)?;
-    let seconds = caster.trace_as(coherence, &rays, &mut answer)?;
+    let seconds = caster.trace(&rays, &mut answer)?;
     Ok((seconds, answer))
 }
 
@@ -242,7 +243,7 @@ fn fill(caster: &RayCaster, rays: &Buffer<Ray>, counts: &[u32]) -> Result<(f64, 
     let question = Question::Collect(Collect::All { offsets: places.view(), limit: 0, counts, hits: hits_view });
     // SAFETY: all buffers are made here or by the caller on the caster's device and held until the launch is over. The
     // places ascend to the length of `hits`, so each ray has items of its own.
-    let seconds = unsafe { caster.ask(rays.view(), question, Coherence::Incoherent, None) }?.wait()?;
+    let seconds = unsafe { caster.ask(rays.view(), question, None) }?.wait()?;
     let mut found = Hits::default();
     found.extend(&hits.download()?, caster.geometries());
     Ok((seconds, AllHits { offsets, hits: found }))

@@ -1,8 +1,11 @@
-//! Whether neighbours in a batch go the same way.
+//! Whether neighbours in a batch go the same way, and so which of two kernels answers it.
 
 use rayon::prelude::*;
 use raywarp_kernels::traverse::octants::octant;
 
+use super::device::Answer;
+use super::{QueryError, RayCaster};
+use crate::backend::{Buffer, Device, DeviceError};
 use crate::Ray;
 
 /// How the rays of a batch lie to each other: which of two kernels answers it on a GPU, over a tree in two layouts
@@ -39,6 +42,59 @@ impl Coherence {
             Self::Incoherent
         }
     }
+}
+
+/// Rays of a batch from which on it is worth to trace some of them twice.
+const LARGE: usize = 1 << 20;
+
+/// Runs that are traced twice: enough to fill a large GPU.
+const TRACED: usize = 1 << 12;
+
+impl RayCaster {
+    /// The same for batches like this one, which is traced by either kernel, and from then on by the faster. Directions alone
+    /// do not say: where triangles are as small as pixels, neighbours part that go the same way. Other structures than
+    /// [`AccelKind::Bvh`](crate::accel::AccelKind), and CPUs, have one kernel. The answer is filled as by
+    /// [`trace`](RayCaster::trace).
+    ///
+    /// # Errors
+    /// As for [`trace`](RayCaster::trace).
+    pub fn tuned_to(&self, rays: &Buffer<Ray>, answer: &mut impl Answer) -> Result<Self, QueryError> {
+        if !self.has_choice() {
+            self.trace(rays, answer)?;
+            return Ok(self.clone());
+        }
+        faster(|coherence| {
+            let caster = self.expecting(coherence);
+            // The first time the driver may have to load the kernel.
+            caster.trace(rays, answer)?;
+            Ok(caster.trace(rays, answer)?.min(caster.trace(rays, answer)?))
+        })
+        .map(|coherence| self.expecting(coherence))
+    }
+
+    /// The same for a slice: [`tuned_to`](Self::tuned_to) a sample of a large one, and by [`Coherence::of`] for others.
+    pub(super) fn suited_to<A: Answer>(
+        &self,
+        rays: &[Ray],
+        room: impl Fn(&Device, u32) -> Result<A, DeviceError>,
+    ) -> Result<Self, QueryError> {
+        if !self.has_choice() {
+            return Ok(self.clone());
+        }
+        if rays.len() < LARGE {
+            return Ok(self.expecting(Coherence::of(rays)));
+        }
+        let step = rays.len().div_ceil(RUN).div_ceil(TRACED);
+        let sample: Vec<Ray> = rays.chunks(RUN).step_by(step).flatten().copied().collect();
+        let mut answer = room(self.device(), sample.len() as u32)?;
+        self.tuned_to(&self.device().upload(&sample)?, &mut answer)
+    }
+}
+
+/// With which the seconds are fewer.
+pub(super) fn faster(mut seconds: impl FnMut(Coherence) -> Result<f64, QueryError>) -> Result<Coherence, QueryError> {
+    let (coherent, incoherent) = (seconds(Coherence::Coherent)?, seconds(Coherence::Incoherent)?);
+    Ok(if coherent <= incoherent { Coherence::Coherent } else { Coherence::Incoherent })
 }
 
 #[cfg(test)]

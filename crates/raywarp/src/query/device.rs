@@ -31,7 +31,7 @@
 use raywarp_kernels::view::{Plain, View};
 
 use super::question::{Asked, Collect, Fill, Find, Question};
-use super::{Coherence, QueryError, RayCaster};
+use super::{QueryError, RayCaster};
 use crate::backend::{Buffer, Device, DeviceError, Stream};
 use crate::{Hit, Ray};
 
@@ -160,17 +160,7 @@ impl RayCaster {
     /// # Errors
     /// A buffer has the wrong length or belongs to another device, or the device fails.
     pub fn trace(&self, rays: &Buffer<Ray>, answer: &mut impl Answer) -> Result<f64, QueryError> {
-        self.trace_as(self.expected, rays, answer)
-    }
-
-    /// As [`trace`](Self::trace), for rays of which is known how they lie.
-    pub(super) fn trace_as(
-        &self,
-        coherence: Coherence,
-        rays: &Buffer<Ray>,
-        answer: &mut impl Answer,
-    ) -> Result<f64, QueryError> {
-        Ok(self.start(rays, answer, coherence, None)?.wait()?)
+        Ok(self.start(rays, answer, None)?.wait()?)
     }
 
     /// Answers a batch after those launched on the stream before, while the host goes on. On the CPU it is answered when
@@ -185,7 +175,7 @@ impl RayCaster {
         mut answer: A,
     ) -> Result<Pending<A>, QueryError> {
         self.device().check_stream(stream)?;
-        let launch = self.start(&rays, &mut answer, self.expected, Some(stream))?;
+        let launch = self.start(&rays, &mut answer, Some(stream))?;
         Ok(Pending { launch, batch: Some((rays, answer)), _caster: self.clone() })
     }
 
@@ -194,7 +184,6 @@ impl RayCaster {
         &self,
         rays: &Buffer<Ray>,
         answer: &mut impl Answer,
-        coherence: Coherence,
         stream: Option<&Stream>,
     ) -> Result<Asked, QueryError> {
         self.device().check(rays, "rays")?;
@@ -202,7 +191,7 @@ impl RayCaster {
         let question = answer.question();
         // SAFETY: the buffers are this device's and long enough, each ray writes its own items, and the callers hold all
         // of it until they have waited. The builders keep the structure's indices in range.
-        Ok(unsafe { self.ask(rays.view(), question, coherence, stream) }?)
+        Ok(unsafe { self.ask(rays.view(), question, stream) }?)
     }
 }
 

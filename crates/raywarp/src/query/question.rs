@@ -50,14 +50,13 @@ impl RayCaster {
         &self,
         rays: View<Ray>,
         question: Question,
-        coherence: Coherence,
         stream: Option<&Stream>,
     ) -> Result<Asked, DeviceError> {
         let batch = Batch { device: self.device(), rays, stream };
         // SAFETY: the caller's promise.
         unsafe {
             match question {
-                Question::Find(question) => match self.pooled(coherence) {
+                Question::Find(question) => match self.pooled() {
                     Some(tree) => return batch.find_pooled(tree, question),
                     None => with_any_structure!(self.structure(), structure => batch.find(structure, question)),
                 },
@@ -70,11 +69,19 @@ impl RayCaster {
         .map(Asked::from)
     }
 
-    /// The tree by which such batches are answered in a pool, if they are.
-    pub(super) fn pooled(&self, coherence: Coherence) -> Option<Compact> {
-        if coherence == Coherence::Coherent || !self.device().is_cuda() {
-            return None;
-        }
+    /// The tree by which batches as expected are answered in a pool, if they are.
+    pub(super) fn pooled(&self) -> Option<Compact> {
+        let pooled = self.expected == Coherence::Incoherent && self.device().is_cuda();
+        pooled.then(|| self.small_nodes()).flatten()
+    }
+
+    /// Whether batches are answered by one kernel or the other as [`Coherence`] says.
+    pub(super) fn has_choice(&self) -> bool {
+        self.device().is_cuda() && self.small_nodes().is_some()
+    }
+
+    /// The tree as a pool takes it.
+    fn small_nodes(&self) -> Option<Compact> {
         match self.structure() {
             AnyResident::One(Resident::Bvh { small, triangles, grid, .. }) => {
                 Some(Compact { nodes: small.view(), triangles: triangles.view(), grid: *grid })
@@ -253,10 +260,7 @@ mod tests {
                 RayCaster::new(triangles.clone(), build, &device).unwrap()
             };
             let (brute, caster) = (with(AccelKind::Brute), with(AccelKind::Bvh));
-            let AnyResident::One(Resident::Bvh { small, triangles, grid, .. }) = caster.structure() else {
-                panic!("a bvh was asked for")
-            };
-            let tree = Compact { nodes: small.view(), triangles: triangles.view(), grid: *grid };
+            let tree = caster.small_nodes().unwrap();
             let batch = device.upload(&rays).unwrap();
             let mut numbers = device.zeroed(Pooled::<ClosestHit>::NUMBERS).unwrap();
             let mut hits = device.zeroed::<Hit>(rays.len()).unwrap();

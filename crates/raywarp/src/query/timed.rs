@@ -4,17 +4,17 @@ use raywarp_kernels::kernels::{Closest, Kernel, Occluded};
 use raywarp_kernels::pool::Pooled;
 use raywarp_kernels::traverse::question::{AnyHit, ClosestHit};
 
+use super::coherence::faster;
 use super::question::pool;
-use super::{Coherence, QueryError, RayCaster};
+use super::{QueryError, RayCaster};
 use crate::accel::with_any_structure;
 use crate::backend::{Buffer, Device, DeviceError, KernelInfo};
 use crate::{Hit, Ray};
 
 /// Rays on a device with room for their answers.
-pub struct Timed<'a> {
-    caster: &'a RayCaster,
+pub struct Timed {
+    caster: RayCaster,
     rays: Buffer<Ray>,
-    coherence: Coherence,
     room: Room,
     /// Of a pool.
     numbers: Buffer<u32>,
@@ -36,11 +36,12 @@ pub enum Answers {
 }
 
 impl RayCaster {
-    /// Copies rays to the device, to ask for the closest hit of each, or whether each hits anything.
+    /// Copies rays to the device, to ask for the closest hit of each, or whether each hits anything. Where there are two
+    /// kernels for it, both are tried, and the faster is used.
     ///
     /// # Errors
-    /// The device has no room for the batch.
-    pub fn timed(&self, rays: &[Ray], any_hit: bool) -> Result<Timed<'_>, QueryError> {
+    /// The device has no room for the batch, or fails.
+    pub fn timed(&self, rays: &[Ray], any_hit: bool) -> Result<Timed, QueryError> {
         let answer = if any_hit { size_of::<u32>() } else { size_of::<Hit>() };
         self.device().reserve(((size_of::<Ray>() + answer) * rays.len()) as u64, "the rays")?;
         let room = match any_hit {
@@ -48,7 +49,15 @@ impl RayCaster {
             false => Room::Closest(self.device().zeroed(rays.len())?),
         };
         let numbers = self.device().zeroed(Pooled::<ClosestHit>::NUMBERS)?;
-        Ok(Timed { caster: self, coherence: Coherence::of(rays), rays: self.device().upload(rays)?, room, numbers })
+        let mut timed = Timed { caster: self.clone(), rays: self.device().upload(rays)?, room, numbers };
+        if self.has_choice() {
+            let suits = faster(|coherence| {
+                timed.caster = self.expecting(coherence);
+                Ok(timed.time(1, 3)?.into_iter().fold(f64::INFINITY, f64::min))
+            })?;
+            timed.caster = self.expecting(suits);
+        }
+        Ok(timed)
     }
 }
 
@@ -68,7 +77,7 @@ impl Use for Stopwatch {
 
     fn of<K: Kernel>(self, device: &Device, kernel: &K, threads: u32) -> Result<Vec<f64>, DeviceError> {
         let [warmup, repeats] = self.times;
-        // SAFETY: the structure is borrowed and the batch holds rays and answers until this returns. The builders keep
+        // SAFETY: the batch holds structure, rays and answers until this returns. The builders keep
         // their indices in range.
         unsafe { device.time(kernel, [threads, 1], warmup, repeats) }
     }
@@ -84,7 +93,7 @@ impl Use for Inquiry {
     }
 }
 
-impl Timed<'_> {
+impl Timed {
     /// Asks `warmup` times, and then `repeats` times of which each is timed. Returns the seconds on the device, without
     /// any copy.
     ///
@@ -103,9 +112,9 @@ impl Timed<'_> {
     }
 
     fn with_kernel<U: Use>(&mut self, what: U) -> Result<U::Result, DeviceError> {
-        let (caster, rays, numbers) = (self.caster, self.rays.view(), &mut self.numbers);
+        let (caster, rays, numbers) = (&self.caster, self.rays.view(), &mut self.numbers);
         let device = caster.device();
-        if let Some(tree) = caster.pooled(self.coherence) {
+        if let Some(tree) = caster.pooled() {
             return match &mut self.room {
                 Room::Closest(hits) => {
                     let (kernel, threads) = pool::<ClosestHit>(device, tree, rays, hits.view_mut(), numbers)?;

@@ -106,8 +106,11 @@ fn batches_are_answered_alike_whatever_is_expected_of_them() {
     }
     let expected = RayCaster::new(triangles.clone(), AccelKind::Bvh, &reference()).unwrap().hits(&mixed).unwrap();
     let caster = RayCaster::new(triangles, AccelKind::Bvh, &device).unwrap();
-    for coherence in [Coherence::Coherent, Coherence::Incoherent] {
-        let caster = caster.expecting(coherence);
+    let sample = device.upload(&mixed[..1000]).unwrap();
+    let tuned = caster.tuned_to(&sample, &mut Closest::new(&device, 1000).unwrap()).unwrap();
+    let expecting = |coherence| caster.expecting(coherence);
+    let casters = [expecting(Coherence::Coherent), expecting(Coherence::Incoherent), tuned];
+    for (caster, name) in casters.iter().zip(["coherent", "incoherent", "tuned"]) {
         for count in [0, 1, 31, 32, 33, 65, 1000, 4097, mixed.len()] {
             let (rays, expected) = (device.upload(&mixed[..count]).unwrap(), &expected[..count]);
             let mut closest = Closest::new(&device, count as u32).unwrap();
@@ -115,13 +118,19 @@ fn batches_are_answered_alike_whatever_is_expected_of_them() {
             let hits = closest.hits.to_vec().unwrap();
             let bits = |hit: &Hit| [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive];
             let differing = hits.iter().zip(expected).filter(|(a, b)| bits(a) != bits(b)).count();
-            assert_eq!((hits.len(), differing), (count, 0), "{coherence:?}");
+            assert_eq!((hits.len(), differing), (count, 0), "{name}");
             let mut any = Any::new(&device, count as u32).unwrap();
             caster.trace(&rays, &mut any).unwrap();
             let any = any.blocked.to_vec().unwrap();
-            assert!(any.iter().zip(expected).all(|(&any, hit)| (any != 0) != hit.is_miss()), "{coherence:?}, {count}");
+            assert!(any.iter().zip(expected).all(|(&any, hit)| (any != 0) != hit.is_miss()), "{name}, {count}");
         }
     }
+    // Of so many some are traced first, to see which kernel suits.
+    let many = if device.is_cuda() { (1 << 20) + 5 } else { 1000 };
+    let rays: Vec<Ray> = mixed.iter().copied().cycle().take(many).collect();
+    let hits = caster.hits(&rays).unwrap();
+    assert!(hits.iter().eq(expected.iter().cycle().take(many)));
+    assert!(caster.any(&rays).unwrap().iter().zip(&hits).all(|(&any, hit)| any != hit.is_miss()));
 }
 
 /// Two batches under way at once on two streams, many times over: each gets its own answers.
