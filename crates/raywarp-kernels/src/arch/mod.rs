@@ -98,7 +98,7 @@ unsafe fn load_granules<T: Copy>(from: *const T) -> T {
 #[inline(always)]
 pub unsafe fn item<T>(array: *const T, index: u32) -> *const T {
     #[cfg(target_arch = "nvptx64")]
-    if size_of::<T>().is_power_of_two() {
+    if const { size_of::<T>().is_power_of_two() } {
         let address;
         // SAFETY: arithmetic on registers.
         unsafe {
