@@ -10,9 +10,8 @@ use crate::ray::{Hit, Ray};
 use crate::sample::{combine, stratified};
 use crate::shade::whitted::{trace, visible, Limits};
 use crate::surface::Scene;
-use crate::traverse::{
-    all, closest, occlusion, Keep, Kept, Occlusion, Stage, Structure, Uncollected, Uncounted, START,
-};
+use crate::traverse::question::{ask, AnyHit, ClosestHit};
+use crate::traverse::{all, Keep, Kept, Stage, Structure, Uncollected, Uncounted, START};
 use crate::view::{View, ViewMut};
 
 /// Which thread of a launch this is: column and row.
@@ -243,7 +242,7 @@ impl<S: Structure> Closest<S> {
     #[inline(always)]
     fn run(&self, thread: Thread) {
         if let Some(ray) = query(&self.rays, thread) {
-            let hit = closest(&self.structure, &ray, &START, &mut Uncounted);
+            let hit = ask::<ClosestHit>(&self.structure, &ray);
             // SAFETY: one thread a ray.
             unsafe { self.hits.set(thread.x, hit) };
         }
@@ -266,9 +265,9 @@ impl<S: Structure> Occluded<S> {
     #[inline(always)]
     fn run(&self, thread: Thread) {
         if let Some(ray) = query(&self.rays, thread) {
-            let found = occlusion(&self.structure, &ray, &mut Uncounted);
+            let occluded = ask::<AnyHit>(&self.structure, &ray);
             // SAFETY: one thread a ray.
-            unsafe { self.occluded.set(thread.x, (found != Occlusion::Clear) as u32) };
+            unsafe { self.occluded.set(thread.x, occluded) };
         }
     }
 }

@@ -63,7 +63,7 @@ impl Ray {
     /// One over each component of the direction, always finite: a component too small to divide by counts as 2^-80 of
     /// the largest, with its own sign, so that a plane through the origin is reached at 0 and never at NaN.
     ///
-    /// Directions whose largest component is below 2^-126 come out too short.
+    /// Directions whose largest component is below 2^-126 come out too short, and those above 2^125 may come out as zero.
     #[inline(always)]
     pub fn inverse_direction(&self) -> Vec3 {
         let d = self.direction;
@@ -82,7 +82,7 @@ const NEGLIGIBLE: f32 = f32::from_bits((127 - 80) << 23);
 
 #[inline(always)]
 fn finite_inverse(x: f32, smallest: f32) -> f32 {
-    1.0 / if x.abs() < smallest { smallest.copysign(x) } else { x }
+    arch::reciprocal(if x.abs() < smallest { smallest.copysign(x) } else { x })
 }
 
 /// Where a ray meets a triangle. A miss has `t = inf` and `primitive = `[`MISS`].

@@ -49,7 +49,7 @@ impl Across {
             }
         };
         let largest: f32 = select(d.x, d.y, d.z);
-        let inverse = if largest.abs() < f32::INFINITY { 1.0 / largest } else { f32::NAN };
+        let inverse = if largest.abs() < f32::INFINITY { arch::reciprocal(largest) } else { f32::NAN };
         let (a, b) = (-select(d.y, d.z, d.x) * inverse, -select(d.z, d.x, d.y) * inverse);
         Self {
             origin: ray.origin,
@@ -90,6 +90,9 @@ pub struct Triangle {
 /// relative to itself.
 pub(crate) const TINY: f32 = f32::MIN_POSITIVE;
 
+/// Sums of edge functions from here on are no longer sure to have a normal inverse.
+const LARGE: f32 = f32::from_bits((127 + 125) << 23);
+
 /// What a box leaves around a triangle, in units of its extent.
 pub const MARGIN: f32 = 4.0 / 16_777_216.0;
 
@@ -126,24 +129,42 @@ impl Triangle {
     /// does when polygons are filled: it is filtered, mixed and counted once.
     #[inline(always)]
     pub fn intersect(&self, across: &Across) -> Option<Hit> {
+        let mut met = None;
+        self.if_hit(across, |hit| met = Some(hit));
+        met
+    }
+
+    /// Gives `then` what [`intersect`](Self::intersect) answers, if it is a hit. For loops over triangles: most are missed,
+    /// and an answer that says so would be moved between registers for each.
+    #[inline(always)]
+    pub fn if_hit(&self, across: &Across, then: impl FnOnce(Hit)) {
         let origin = across.origin;
         let (p, q, r) = (self.v0 - origin, self.v1 - origin, self.v2 - origin);
         let (a, b, c) = (across.flatten(p), across.flatten(q), across.flatten(r));
         let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
         // As integers: the smallest, or of negative ones that closest to zero; the largest, or the most negative.
         let (low, high) = (least(least(u, v), w), greatest(greatest(u, v), w));
-        if low < -TINY && high > TINY {
-            return None;
+        // One branch, or two where nothing is left undecided: hence no `&&`.
+        if (low < -TINY) & (high > TINY) {
+            return;
         }
-        let certain = (low > TINY || (low < -TINY && high < 0.0)) && (u + v + w).abs() < f32::INFINITY;
-        // Needles need every bit: their edge functions are small beside the products.
-        let [u, v, w] = if certain { [exact_edge(c, b), exact_edge(a, c), exact_edge(b, a)] } else { decide(a, b, c)? };
+        let certain = ((low > TINY) | ((low < -TINY) & (high < 0.0))) & ((u + v + w).abs() < LARGE);
+        let (u, v, w, inverse);
+        if certain {
+            // Needles need every bit: their edge functions are small beside the products.
+            (u, v, w) = (exact_edge(c, b), exact_edge(a, c), exact_edge(b, a));
+            inverse = arch::reciprocal(u + v + w);
+        } else if let Some(edges) = decide(a, b, c) {
+            [u, v, w] = edges;
+            inverse = 1.0 / (u + v + w);
+        } else {
+            return;
+        }
         // Weights first: they are at most 1, whatever the units.
-        let inverse = 1.0 / (u + v + w);
         let (u, v, w) = (u * inverse, v * inverse, w * inverse);
         let along = |v: Vec3| v.dot(across.along);
         let t = arch::fma(u, along(p), arch::fma(v, along(q), w * along(r)));
-        Some(Hit { t, u: v, v: w, primitive: self.primitive })
+        then(Hit { t, u: v, v: w, primitive: self.primitive });
     }
 
     /// Möller and Trumbore's own form, as in the paper: Cramer's rule on `s = t(-d) + u e1 + v e2`.

@@ -17,6 +17,25 @@ pub fn fma(a: f32, b: f32, c: f32) -> f32 {
     return a.mul_add(b, c);
 }
 
+/// One over `x`, correctly rounded where both are normal; elsewhere the GPU may give zero or NaN.
+///
+/// A division there first looks whether they are, and calls a function where they are not.
+#[inline(always)]
+pub fn reciprocal(x: f32) -> f32 {
+    #[cfg(target_arch = "nvptx64")]
+    {
+        let y: f32;
+        // SAFETY: an operation on registers.
+        unsafe {
+            core::arch::asm!("rcp.approx.ftz.f32 {y}, {x};", x = in(reg32) x, y = out(reg32) y,
+                options(pure, nomem, nostack));
+        }
+        fma(y, -fma(x, y, -1.0), y)
+    }
+    #[cfg(not(target_arch = "nvptx64"))]
+    return 1.0 / x;
+}
+
 /// Square root, correctly rounded.
 #[inline(always)]
 pub fn sqrt(x: f32) -> f32 {

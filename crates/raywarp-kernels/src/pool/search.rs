@@ -11,7 +11,8 @@ use crate::traverse::Compact;
 /// No link.
 const END: u32 = Aside::END;
 
-/// Nodes that a lane visits before the warp looks what its lanes have come to; by measurement, see `docs/bench`.
+/// Nodes that a lane visits before the warp looks what its lanes have come to, an even number; by measurement, see
+/// `docs/bench`.
 const STEPS: u32 = 4;
 
 /// A ray's way through the small nodes.
@@ -60,18 +61,28 @@ impl<'a> Search<'a> {
         (!self.is_at_node() && !self.is_over()).then(|| Child::of_bits(self.next))
     }
 
-    /// Visits a few nodes, or as many as there are before a leaf.
+    /// Visits a few nodes, or as many as there are before a leaf. Two at a time: the count is looked at half as often.
     #[inline(always)]
     pub fn descend<Q: Question>(&mut self) {
         let mut steps = 0;
         while self.is_at_node() {
-            let [a, b] = self.boxes.children(self.next, self.t_min, self.t_far);
-            self.next = step::<Q>(&mut self.links, a, b);
-            steps += 1;
+            self.visit::<Q>();
+            if !self.is_at_node() {
+                break;
+            }
+            self.visit::<Q>();
+            steps += 2;
             if steps >= STEPS {
                 break;
             }
         }
+    }
+
+    /// Visits the node that is next.
+    #[inline(always)]
+    fn visit<Q: Question>(&mut self) {
+        let [a, b] = self.boxes.children(self.next, self.t_min, self.t_far);
+        self.next = step::<Q>(&mut self.links, a, b);
     }
 
     /// A triangle is hit at `t`; `before` says whether it comes before another one at the same distance.

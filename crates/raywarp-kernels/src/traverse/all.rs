@@ -90,13 +90,15 @@ impl<const K: usize> Collected<'_, K> {
 }
 
 impl<const K: usize> Visitor for Collected<'_, K> {
+    const ENDS: bool = false;
+
     #[inline(always)]
     fn visit(&mut self, across: &Across, triangle: &Triangle) -> f32 {
-        if let Some(hit) = triangle.intersect(across) {
+        triangle.if_hit(across, |hit| {
             if hit.t >= self.t_min && self.previous.precedes(&hit) {
                 self.insert(hit);
             }
-        }
+        });
         self.hits[K - 1].t
     }
 }

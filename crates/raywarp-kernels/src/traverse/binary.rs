@@ -120,7 +120,7 @@ pub fn walk<V: Visitor>(
         loop {
             counter.triangle();
             t_far = visitor.visit(&across, &triangles.load(index));
-            if t_far < ray.t_min {
+            if V::ENDS && t_far < ray.t_min {
                 return;
             }
             index += 1;

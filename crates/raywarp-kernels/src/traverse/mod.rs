@@ -58,6 +58,9 @@ pub trait Visitor {
     /// it holds an obstacle sooner, and nothing has to be compared.
     const ORDERED: bool = true;
 
+    /// Whether an answer may be less than the ray's `t_min`, which ends the traversal.
+    const ENDS: bool = true;
+
     /// Looks at a triangle and answers how far along the ray it is still of interest: [`ENOUGH`] ends the traversal.
     /// `across` is the traversal's ray, in the space of the triangle.
     fn visit(&mut self, across: &Across, triangle: &Triangle) -> f32;
@@ -199,13 +202,15 @@ impl<'a> Nearest<'a> {
 }
 
 impl Visitor for Nearest<'_> {
+    const ENDS: bool = false;
+
     #[inline(always)]
     fn visit(&mut self, across: &Across, triangle: &Triangle) -> f32 {
-        if let Some(hit) = triangle.intersect(across) {
+        triangle.if_hit(across, |hit| {
             if hit.t >= self.t_min && hit.precedes(&self.best) && self.previous.precedes(&hit) {
                 self.best = hit;
             }
-        }
+        });
         self.best.t
     }
 }
@@ -255,8 +260,9 @@ impl Visitor for Obstacle {
 
     #[inline(always)]
     fn visit(&mut self, across: &Across, triangle: &Triangle) -> f32 {
-        let hit = triangle.intersect(across).filter(|hit| hit.t >= self.t_min && hit.t <= self.t_max);
-        if hit.is_none() {
+        let mut met = false;
+        triangle.if_hit(across, |hit| met = hit.t >= self.t_min && hit.t <= self.t_max);
+        if !met {
             return self.t_max;
         }
         if triangle.flags & (flags::CUTOUT | flags::TRANSPARENT) == 0 {

@@ -1,10 +1,10 @@
 //! What is asked of a ray.
 
-use super::{Nearest, Obstacle, Occlusion, Visitor, START};
+use super::{Structure, Uncounted, Visitor, ENOUGH};
 use crate::ray::{Hit, Ray};
 use crate::triangle::{Across, Triangle};
 
-/// A question about one ray, while it is being answered.
+/// A question about one ray, while it is being answered. Every triangle counts as opaque.
 pub trait Question: Visitor {
     /// One a ray, as kernels write it.
     type Answer: Copy + Send + Sync;
@@ -17,13 +17,31 @@ pub trait Question: Visitor {
     fn from_hit(hit: Hit) -> Self::Answer;
 }
 
+/// The answer about a ray.
+#[inline(always)]
+pub fn ask<Q: Question>(structure: &impl Structure, ray: &Ray) -> Q::Answer {
+    let mut question = Q::about(ray);
+    structure.traverse(ray, &mut Uncounted, &mut question);
+    question.answer()
+}
+
 /// The first hit.
-pub struct ClosestHit(Nearest<'static>);
+pub struct ClosestHit {
+    t_min: f32,
+    best: Hit,
+}
 
 impl Visitor for ClosestHit {
+    const ENDS: bool = false;
+
     #[inline(always)]
     fn visit(&mut self, across: &Across, triangle: &Triangle) -> f32 {
-        self.0.visit(across, triangle)
+        triangle.if_hit(across, |hit| {
+            if hit.t >= self.t_min && hit.precedes(&self.best) {
+                self.best = hit;
+            }
+        });
+        self.best.t
     }
 }
 
@@ -32,15 +50,15 @@ impl Question for ClosestHit {
 
     #[inline(always)]
     fn about(ray: &Ray) -> Self {
-        Self(Nearest::of(ray, &START))
+        Self { t_min: ray.t_min, best: Hit { t: ray.t_max, ..Hit::NONE } }
     }
 
     #[inline(always)]
     fn answer(&self) -> Hit {
-        if self.0.best.is_miss() {
+        if self.best.is_miss() {
             Hit::NONE
         } else {
-            self.0.best
+            self.best
         }
     }
 
@@ -51,14 +69,23 @@ impl Question for ClosestHit {
 }
 
 /// Whether there is any hit: 0 or 1.
-pub struct AnyHit(Obstacle);
+pub struct AnyHit {
+    t_min: f32,
+    t_max: f32,
+    found: bool,
+}
 
 impl Visitor for AnyHit {
     const ORDERED: bool = false;
 
     #[inline(always)]
     fn visit(&mut self, across: &Across, triangle: &Triangle) -> f32 {
-        self.0.visit(across, triangle)
+        triangle.if_hit(across, |hit| self.found |= hit.t >= self.t_min && hit.t <= self.t_max);
+        if self.found {
+            ENOUGH
+        } else {
+            self.t_max
+        }
     }
 }
 
@@ -67,12 +94,12 @@ impl Question for AnyHit {
 
     #[inline(always)]
     fn about(ray: &Ray) -> Self {
-        Self(Obstacle::of(ray))
+        Self { t_min: ray.t_min, t_max: ray.t_max, found: false }
     }
 
     #[inline(always)]
     fn answer(&self) -> u32 {
-        (self.0.found != Occlusion::Clear) as u32
+        self.found as u32
     }
 
     #[inline(always)]

@@ -11,7 +11,7 @@ use super::{driver_error, Cuda, DeviceError};
 const BLOCK: [u32; 2] = [8, 8];
 
 /// Threads of a block of a launch with a single row.
-pub(in crate::backend) const BLOCK_ROW: u32 = 64;
+pub(in crate::backend) const BLOCK_ROW: u32 = 128;
 
 /// A kernel's parameter block, passed by value.
 #[repr(transparent)]
