@@ -2,9 +2,10 @@
 
 /// A stack of links to nodes that are still to be visited, with [`Links::END`] at its bottom.
 ///
-/// A search uses [`descend`](Self::descend) and [`pop`](Self::pop), or [`descend_either`](Self::descend_either) and
-/// [`pop_either`](Self::pop_either), but never both: on the GPU the former keep the last link in a register, so that nobody
-/// waits for what was put aside, and the latter keep it in memory, which takes less of a search that soon ends.
+/// A search uses [`descend`](Self::descend), [`pop`](Self::pop) and [`pop_if`](Self::pop_if), or
+/// [`descend_either`](Self::descend_either) and [`pop_either`](Self::pop_either), but never both: on the GPU the former keep
+/// the last link in a register, so that nobody waits for what was put aside, and the latter keep it in memory, which takes
+/// less of a search that soon ends.
 ///
 /// There the stack is addressed within the thread's local memory, and its every step is predicated: as plain code each
 /// would be a branch, where the threads of a warp part.
@@ -186,6 +187,34 @@ impl<'a, const N: usize> Links<'a, N> {
         // SAFETY: the caller's promise.
         unsafe {
             self.read_back()
+        }
+    }
+
+    /// As [`pop`](Self::pop) where `back` says so, and `other` where it does not. On the GPU without a branch: where the
+    /// threads join again what is popped would be copied, and they would wait for it.
+    ///
+    /// # Safety
+    /// As for [`pop`](Self::pop), where `back` says so.
+    #[inline(always)]
+    pub unsafe fn pop_if(&mut self, back: bool, other: u32) -> u32 {
+        #[cfg(target_arch = "nvptx64")]
+        {
+            let next: u32;
+            // SAFETY: the caller's promise keeps `top` within the room.
+            unsafe {
+                core::arch::asm!("{{ .reg .pred p;", "setp.ne.u32 p, {back}, 0;", "selp.b32 {n}, {last}, {other}, p;",
+                    "@p sub.u32 {top}, {top}, 4;", "@p ld.local.u32 {last}, [{top}]; }}",
+                    back = in(reg32) back as u32, other = in(reg32) other, n = out(reg32) next,
+                    last = inout(reg32) self.last, top = inout(reg32) self.top, options(nostack));
+            }
+            next
+        }
+        #[cfg(not(target_arch = "nvptx64"))]
+        if back {
+            // SAFETY: the caller's promise.
+            unsafe { self.read_back() }
+        } else {
+            other
         }
     }
 

@@ -17,7 +17,7 @@ use crate::arch::{self, Tray, WARP};
 use crate::kernels::Thread;
 use crate::queue::Queue;
 use crate::ray::{Hit, Ray, MISS};
-use crate::traverse::bvh2::MAX_DEPTH;
+use crate::traverse::bvh2::{Child, MAX_DEPTH};
 use crate::traverse::question::Question;
 use crate::traverse::Compact;
 use crate::triangle::Across;
@@ -57,12 +57,10 @@ impl<Q: Question> Pooled<Q> {
         let mut room = [const { MaybeUninit::uninit() }; MAX_DEPTH + 1];
         let mut search = Search::idle(&self.tree, &mut room);
         let queue = Queue::new(&self.taken, self.rays.len());
-        // The lane's ray, the one that it begins next, and whether there may be more in the batch.
-        let (mut index, mut fresh, mut more) = (MISS, MISS, true);
+        // The lane's ray, and whether there may be more in the batch.
+        let (mut index, mut more) = (MISS, true);
         loop {
-            if fresh != MISS {
-                index = fresh;
-                fresh = MISS;
+            if search.is_called() {
                 let ray = self.rays.load(index).within_range();
                 // SAFETY: this lane's last ray was answered, and all lanes meet before they read.
                 unsafe { tray.put(&Across::new(&ray)) };
@@ -88,21 +86,24 @@ impl<Q: Question> Pooled<Q> {
                 let mine;
                 (mine, more) = queue.take(idle);
                 if search.is_over() && mine < self.rays.len() {
-                    fresh = mine;
+                    index = mine;
+                    search.call();
                 }
             } else if leaves.count_ones() >= ENOUGH || nodes == 0 {
                 let triangles = self.tree.triangles;
                 let share = Share::deal(leaf);
-                let t = share.test.and_then(|(lane, triangle)| {
-                    // SAFETY: that lane has a leaf, so it has put its ray there.
-                    let across = unsafe { tray.get(lane) };
-                    triangles.load(triangle).intersect(&across).map(|hit| hit.t)
-                });
+                let t = share
+                    .test
+                    .and_then(|(lane, triangle)| {
+                        // SAFETY: that lane has a leaf, so it has put its ray there.
+                        let across = unsafe { tray.get(lane) };
+                        triangles.load(triangle).intersect(&across)
+                    })
+                    .map_or(f32::INFINITY, |hit| hit.t);
                 let primitive = |triangle| triangles.load(triangle).primitive;
-                share.collect(t, |t, triangle| search.hit::<Q>(t, triangle, |a, b| primitive(a) < primitive(b)));
-                if let Some(leaf) = leaf {
-                    search.after_leaf::<Q>(share.rest(leaf));
-                }
+                let first = leaf.map_or(0, Child::index);
+                share.collect(t, |t, nth| search.hit::<Q>(t, first + nth, |a, b| primitive(a) < primitive(b)));
+                search.after_leaf::<Q>(leaf, leaf.and_then(|leaf| share.rest(leaf)));
             }
         }
         queue.leave(self.warps);

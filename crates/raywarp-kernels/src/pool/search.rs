@@ -2,7 +2,7 @@
 
 use crate::math::Vec3;
 use crate::ray::{Ray, MISS};
-use crate::traverse::binary::{step, step_back, Aside, Boxes, Room, LEAVES};
+use crate::traverse::binary::{step, Aside, Boxes, Room, LEAVES};
 use crate::traverse::bvh2::Child;
 use crate::traverse::compact::OnGrid;
 use crate::traverse::question::Question;
@@ -10,6 +10,10 @@ use crate::traverse::Compact;
 
 /// No link.
 const END: u32 = Aside::END;
+
+/// No link either: a ray is about to begin. Leaves that would have this number end beyond the last triangle that there
+/// may be.
+const CALLED: u32 = END - 1;
 
 /// Nodes that a lane visits before the warp looks what its lanes have come to, an even number; by measurement, see
 /// `docs/bench`.
@@ -34,6 +38,18 @@ impl<'a> Search<'a> {
     pub fn idle(tree: &Compact, room: &'a mut Room) -> Self {
         let boxes = OnGrid::new(tree, &Ray::new(Vec3::ZERO, Vec3::ZERO));
         Self { boxes, links: Aside::new(room), t_min: 0.0, t_far: 0.0, next: END, best: MISS }
+    }
+
+    /// Says that a ray is about to begin. The search that was is over.
+    #[inline(always)]
+    pub fn call(&mut self) {
+        self.next = CALLED;
+    }
+
+    /// Whether a ray is about to begin.
+    #[inline(always)]
+    pub fn is_called(&self) -> bool {
+        self.next == CALLED
     }
 
     /// Begins a ray at the root.
@@ -88,20 +104,27 @@ impl<'a> Search<'a> {
     /// A triangle is hit at `t`; `before` says whether it comes before another one at the same distance.
     #[inline(always)]
     pub fn hit<Q: Question>(&mut self, t: f32, triangle: u32, before: impl Fn(u32, u32) -> bool) {
-        let first = self.best == MISS || t < self.t_far || !Q::ORDERED || before(triangle, self.best);
-        if t >= self.t_min && t <= self.t_far && first {
+        let wins_tie = || self.best == MISS || !Q::ORDERED || before(triangle, self.best);
+        if t >= self.t_min && (t < self.t_far || (t == self.t_far && wins_tie())) {
             (self.t_far, self.best) = (t, triangle);
         }
     }
 
-    /// Goes on after a leaf of which `rest` is left.
+    /// Goes on after a leaf of which `rest` is left; after no leaf it stays.
     #[inline(always)]
-    pub fn after_leaf<Q: Question>(&mut self, rest: Option<Child>) {
-        self.next = match rest {
-            _ if !Q::ORDERED && self.best != MISS => END,
-            Some(rest) => rest.bits(),
+    pub fn after_leaf<Q: Question>(&mut self, leaf: Option<Child>, rest: Option<Child>) {
+        if Q::ORDERED {
+            let back = leaf.is_some() && rest.is_none();
+            let next = rest.map_or(self.next, Child::bits);
             // SAFETY: a search with a leaf is not over, so the end was not popped.
-            None => unsafe { step_back::<Q>(&mut self.links) },
-        };
+            self.next = unsafe { self.links.pop_if(back, next) };
+        } else if leaf.is_some() {
+            self.next = match rest {
+                _ if self.best != MISS => END,
+                Some(rest) => rest.bits(),
+                // SAFETY: as above.
+                None => unsafe { self.links.pop_either() },
+            };
+        }
     }
 }

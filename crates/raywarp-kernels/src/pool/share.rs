@@ -45,19 +45,18 @@ impl Share {
         Self { first, taken: count.min(WARP.saturating_sub(first)), test }
     }
 
-    /// Gives `collect` what the lanes found on this lane's ray: distances, and triangles. All threads of the warp are here.
+    /// Gives `collect` what the lanes found on this lane's ray: distances, and which triangle of its leaf each belongs to.
+    /// `found` is infinite for nothing. All threads of the warp are here.
     #[inline(always)]
-    pub fn collect(&self, found: Option<f32>, mut collect: impl FnMut(f32, u32)) {
-        let triangle = self.test.map_or(0, |(_, triangle)| triangle);
-        let hits = vote(found.is_some());
+    pub fn collect(&self, found: f32, mut collect: impl FnMut(f32, u32)) {
+        let hits = vote(found < f32::INFINITY);
         let mut mine = if self.taken > 0 { hits >> self.first & ((1 << self.taken) - 1) } else { 0 };
         while vote(mine != 0) != 0 {
-            let lane = self.first + mine.trailing_zeros();
-            let t = f32::from_bits(from(found.unwrap_or(0.0).to_bits(), lane));
-            let triangle = from(triangle, lane);
+            let nth = mine.trailing_zeros();
+            let t = f32::from_bits(from(found.to_bits(), self.first + nth));
             if mine != 0 {
                 mine &= mine - 1;
-                collect(t, triangle);
+                collect(t, nth);
             }
         }
     }
