@@ -1,5 +1,6 @@
 //! The program `raywarp`.
 
+mod ahead;
 mod bench;
 mod columns;
 mod completions;

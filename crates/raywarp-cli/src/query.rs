@@ -11,13 +11,14 @@ use raywarp::query::{Batch, Progress, RayCaster};
 use raywarp::write;
 use serde::Serialize;
 
+use crate::ahead::Ahead;
 use crate::interrupt::Interrupt;
 use crate::options::QueryOptions;
 use crate::progress::{Bar, Words};
 use crate::render::{limit_threads, read};
 use crate::say;
 
-/// Rays that are read, asked and put aside at once: 128 MiB of them.
+/// Rays that are read, asked and put aside at once: 128 MiB of them. The next ones are read meanwhile.
 const PIECE: usize = 1 << 22;
 
 /// Answers the rays of a file.
@@ -26,7 +27,8 @@ pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
     let start = Instant::now();
     let mut answers = plan(options, &interrupt)?;
     // A bad file of rays is told before a large scene is read.
-    let mut rays = RayReader::open(&options.rays)?;
+    let rays = RayReader::open(&options.rays)?;
+    let shape = rays.shape().map(<[u64]>::to_vec);
     limit_threads(options.machine.threads)?;
     let loaded = read(options.scene.as_deref(), options.strict)?;
     let load_seconds = start.elapsed().as_secs_f64();
@@ -47,7 +49,7 @@ pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
     }
 
     let asking = Instant::now();
-    let kernel_seconds = ask(options, &caster, &mut rays, &mut answers)?;
+    let kernel_seconds = ask(options, &caster, rays, &mut answers)?;
     let query_seconds = asking.elapsed().as_secs_f64();
     let report = Report {
         device: device.description(),
@@ -66,7 +68,7 @@ pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
         },
     };
     let saving = Instant::now();
-    save(options, answers, rays.shape(), &interrupt)?;
+    save(options, answers, shape.as_deref(), &interrupt)?;
     conclude(options, report, saving.elapsed().as_secs_f64(), start.elapsed().as_secs_f64())
 }
 
@@ -142,27 +144,26 @@ fn spool(output: &Path) -> PathBuf {
 fn ask(
     options: &QueryOptions,
     caster: &RayCaster,
-    reader: &mut RayReader,
+    reader: RayReader,
     answers: &mut AnswerWriter,
 ) -> anyhow::Result<f64> {
     let mut bar = Bar::new(options.quiet, Words::Query);
     let mut kernel_seconds = 0.0;
-    let mut rays = Vec::new();
-    loop {
-        reader.read(PIECE, &mut rays)?;
-        if rays.is_empty() {
-            return Ok(kernel_seconds);
-        }
+    let expected = reader.rays();
+    let pieces = Ahead::new(reader, PIECE);
+    while let Some(rays) = pieces.next()? {
         let (before, mut piece_seconds) = (answers.rays(), 0.0);
         let mut watch = |progress: Progress| {
             piece_seconds = progress.kernel_seconds;
-            bar.update(before + progress.done as u64, reader.rays());
+            bar.update(before + progress.done as u64, expected);
             ControlFlow::Continue(())
         };
         let batch = caster.batch(&rays).max_hits(options.max_hits.unwrap_or(u32::MAX));
         answer(options.mode, batch.watched(&mut watch), answers)?;
         kernel_seconds += piece_seconds;
+        pieces.done(rays);
     }
+    Ok(kernel_seconds)
 }
 
 /// Asks a batch and puts its answers aside.

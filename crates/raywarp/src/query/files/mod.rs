@@ -1,11 +1,12 @@
 //! Rays and answers in files, for NumPy and for spreadsheets.
 //!
 //! [`RayReader`] reads rays piece by piece from `.npy` and CSV, [`AnswerWriter`] collects answers and writes them as
-//! `.npz`, `.npy` or CSV. Neither holds a whole batch in memory.
+//! `.npz`, `.npy` or CSV. Neither holds a whole batch in memory, but for an array in Fortran order.
 
 mod answers;
 mod csv;
 mod error;
+mod fortran;
 mod kinds;
 mod npy;
 mod reader;

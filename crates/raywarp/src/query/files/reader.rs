@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::csv::{self, Lines};
 use super::error::{At, Trouble};
+use super::fortran::Fortran;
 use super::npy::{Head, MAGIC};
 use super::RayFileError;
 use crate::scene::load::quote::quote;
@@ -24,7 +25,7 @@ pub struct RayReader {
 
 enum Source {
     Npy(Items),
-    Csv(Lines<Box<dyn BufRead>>),
+    Csv(Lines<Box<dyn BufRead + Send>>),
 }
 
 impl RayReader {
@@ -48,7 +49,7 @@ impl RayReader {
     ///
     /// # Errors
     /// As for [`open`](Self::open).
-    pub fn new(name: &str, mut input: Box<dyn BufRead>, bytes: Option<u64>) -> Result<Self, RayFileError> {
+    pub fn new(name: &str, mut input: Box<dyn BufRead + Send>, bytes: Option<u64>) -> Result<Self, RayFileError> {
         let source = Source::new(name, &mut input, bytes).map_err(|trouble| trouble.in_file(name))?;
         let source = source.unwrap_or_else(|| Source::Csv(Lines::new(input)));
         Ok(Self { name: name.to_owned(), source })
@@ -91,7 +92,7 @@ impl RayReader {
 
 impl Source {
     /// An array; nothing for what must be text, of which nothing is read.
-    fn new(name: &str, input: &mut Box<dyn BufRead>, bytes: Option<u64>) -> Result<Option<Self>, Trouble> {
+    fn new(name: &str, input: &mut Box<dyn BufRead + Send>, bytes: Option<u64>) -> Result<Option<Self>, Trouble> {
         let start = input.fill_buf()?;
         let is_npy = start.starts_with(&MAGIC[..1]) || name.to_ascii_lowercase().ends_with(".npy");
         if start.starts_with(b"PK\x03\x04") {
@@ -109,11 +110,13 @@ impl Source {
 
 /// The rays of a `.npy` file.
 struct Items {
-    input: Box<dyn BufRead>,
+    input: Box<dyn BufRead + Send>,
     kind: Kind,
     /// Numbers of a ray.
     columns: usize,
     shape: Vec<u64>,
+    /// Where they are in that order.
+    fortran: Option<Fortran>,
     rays: u64,
     /// Rays read.
     done: u64,
@@ -133,7 +136,7 @@ struct Kind {
 const PIECE: usize = 1 << 15;
 
 impl Items {
-    fn new(head: Head, input: Box<dyn BufRead>, bytes: Option<u64>) -> Result<Self, Trouble> {
+    fn new(head: Head, input: Box<dyn BufRead + Send>, bytes: Option<u64>) -> Result<Self, Trouble> {
         let flaw = |what: String| Trouble::flaw(At::Byte(0), what);
         let kind = Kind::of(&head.descr).ok_or_else(|| {
             flaw(format!(
@@ -147,9 +150,6 @@ impl Items {
                 tuple(&head.shape)
             )));
         };
-        if head.fortran_order {
-            return Err(flaw("an array in Fortran order; save numpy.ascontiguousarray(rays)".to_owned()));
-        }
         let rays = shape.iter().try_fold(1u64, |product, &axis| product.checked_mul(axis));
         let data = rays.and_then(|rays| rays.checked_mul(columns * kind.bytes as u64));
         let (Some(rays), Some(data)) = (rays, data) else {
@@ -164,8 +164,9 @@ impl Items {
             );
             return Err(Trouble::flaw(At::Byte(bytes), what));
         }
+        let fortran = head.fortran_order.then(|| Fortran::new(shape, kind.bytes));
         let (columns, shape) = (columns as usize, shape.to_vec());
-        Ok(Self { input, kind, columns, shape, rays, done: 0, start: head.len, raw: Vec::new() })
+        Ok(Self { input, kind, columns, shape, fortran, rays, done: 0, start: head.len, raw: Vec::new() })
     }
 
     fn read(&mut self, most: usize, rays: &mut Vec<Ray>) -> Result<(), Trouble> {
@@ -182,6 +183,13 @@ impl Items {
 
     /// Reads the bytes of so many rays.
     fn fill(&mut self, rays: usize) -> Result<(), Trouble> {
+        if let Some(array) = &mut self.fortran {
+            // `new` has seen that this is no more than 2^64.
+            array.load(&mut self.input, self.start, self.rays * (self.columns * self.kind.bytes) as u64)?;
+            self.raw.clear();
+            (0..rays).for_each(|_| array.next(self.columns, &mut self.raw));
+            return Ok(());
+        }
         self.raw.resize(rays * self.columns * self.kind.bytes, 0);
         self.input.read_exact(&mut self.raw).map_err(|error| match error.kind() {
             ErrorKind::UnexpectedEof => {
