@@ -21,15 +21,14 @@ impl Fortran {
         Self { shape: shape.to_vec(), place: vec![0; shape.len()], item, bytes: Vec::new() }
     }
 
-    /// Reads the `len` bytes of the array, which begin at byte `start`, if they are not read yet.
+    /// Reads what is not read yet of the `len` bytes of the array, which begin at byte `start`.
     pub fn load(&mut self, input: &mut dyn BufRead, start: u64, len: u64) -> Result<(), Trouble> {
-        if self.bytes.is_empty() {
-            // Grows with what there is: what the head promises may not come.
-            let read = input.take(len).read_to_end(&mut self.bytes)? as u64;
-            if read < len {
-                let what = format!("the data end here, {read} bytes of {len}");
-                return Err(Trouble::flaw(At::Byte(start + read), what));
-            }
+        let missing = len - self.bytes.len() as u64;
+        // Grows with what there is: what the head promises may not come.
+        if missing > 0 && (input.take(missing).read_to_end(&mut self.bytes)? as u64) < missing {
+            let read = self.bytes.len() as u64;
+            let what = format!("the data end here, {read} bytes of {len}");
+            return Err(Trouble::flaw(At::Byte(start + read), what));
         }
         Ok(())
     }

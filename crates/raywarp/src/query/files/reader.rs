@@ -115,7 +115,7 @@ struct Items {
     /// Numbers of a ray.
     columns: usize,
     shape: Vec<u64>,
-    /// Where they are in that order.
+    /// The array, where it is in that order.
     fortran: Option<Fortran>,
     rays: u64,
     /// Rays read.

@@ -111,6 +111,11 @@ fn either_order_of_an_array_gives_the_same_rays() {
     assert_eq!(read("a.npy", &fortran(&[0, 6], &[])), Ok(vec![]));
     let said = read_pipe("standard input", &fortran(&[10, 6], &numbers(10))[..300], None).unwrap_err();
     assert_eq!(said, "standard input: byte 300: the data end here, 172 bytes of 240");
+    // It is still so when it is asked again.
+    let input = Cursor::new(fortran(&[10, 6], &numbers(10))[..300].to_vec());
+    let mut reader = RayReader::new("a", Box::new(input), None).unwrap();
+    let [first, second] = [0; 2].map(|_| reader.read(3, &mut Vec::new()).unwrap_err().to_string());
+    assert_eq!(first, second);
 }
 
 #[test]
