@@ -448,7 +448,7 @@ impl MachineOptions {
 
     /// What to build of a scene on a device.
     pub fn build(&self, scene: &Scene, device: &Device) -> Build {
-        self.wishes().or(&scene.render).build(device, !self.no_cache)
+        Build::wished(&self.wishes().or(&scene.render), device, !self.no_cache)
     }
 }
 
@@ -487,7 +487,7 @@ mod tests {
             let help = argument.get_help().unwrap().to_string();
             assert!(help.ends_with(&format!("[default: the scene file's, else {default}]")), "{help}");
         }
-        assert!(usual.shadows && RenderDefaults::default().options() == usual);
+        assert!(usual.shadows && RenderOptions::from(&RenderDefaults::default()) == usual);
     }
 
     fn asked(words: &[&str]) -> Result<Camera, clap::Error> {

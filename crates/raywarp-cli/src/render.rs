@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::Context;
 use raywarp::accel::Build;
 use raywarp::backend::Device;
-use raywarp::image::Layers;
+use raywarp::image::{Development, Layers};
 use raywarp::render::{self, Progress, Rendering, Tracer};
 use raywarp::scene::{load, Camera, LoadOptions, Loaded, RenderDefaults};
 
@@ -36,7 +36,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let loaded = read(options.scene.as_deref(), options.strict)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let wishes = options.wishes().or(&loaded.scene.render);
-    let region = limits::check(wishes.options().size, options, &plan)?;
+    let region = limits::check(render::RenderOptions::from(&wishes).size, options, &plan)?;
     let stage = Stage::set(options, wishes, &loaded)?;
 
     let shot = Shot { stage: &stage, plan: &plan, camera: &stage.camera };
@@ -130,7 +130,7 @@ impl<'a> Stage<'a> {
             device: self.device.description(),
             accel: self.what.kind.to_string(),
             size,
-            spp: self.wishes.options().spp,
+            spp: render::RenderOptions::from(&self.wishes).spp,
             frames: None,
             scene: SceneCounts::new(&self.loaded.scene, report),
             tree: (&report.tree).into(),
@@ -202,12 +202,16 @@ impl Shot<'_> {
 
     /// What the files are made of.
     pub fn results<'a>(&self, taken: &'a Taken, layers: &'a Layers) -> Results<'a> {
-        let (options, development) = (self.stage.options, self.stage.wishes.development());
+        let (options, development) = (self.stage.options, Development::from(&self.stage.wishes));
         Results::new(&taken.rendering.picture, layers, development, options.heatmap_max)
     }
 
     fn library_options(&self, count_tests: bool) -> render::RenderOptions {
-        render::RenderOptions { crop: self.stage.options.crop, count_tests, ..self.stage.wishes.options() }
+        render::RenderOptions {
+            crop: self.stage.options.crop,
+            count_tests,
+            ..render::RenderOptions::from(&self.stage.wishes)
+        }
     }
 }
 

@@ -23,9 +23,10 @@ pub mod backend;
 pub mod image;
 pub mod query;
 pub mod render;
-pub mod scene;
 pub mod study;
-pub mod write;
+
+pub use raywarp_scene as scene;
+pub use raywarp_scene::write;
 
 pub use raywarp_kernels::math::Vec3;
 pub use raywarp_kernels::ray::{Hit, Ray, MISS};

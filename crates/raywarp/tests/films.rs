@@ -5,7 +5,7 @@ mod common;
 
 use std::f32::consts::TAU;
 
-use raywarp::accel::{AccelKind, Build, Quality};
+use raywarp::accel::{fastest_on, AccelKind, Build, Quality};
 use raywarp::backend::{Device, Staging};
 use raywarp::image::{png, Development, ToneMap};
 use raywarp::render::{world_triangles, Film, Quantity, RenderOptions, Structure, Tracer};
@@ -119,7 +119,7 @@ fn an_instance_that_moves_looks_as_if_it_had_been_there() {
             // A new tree of what moved, swapped in.
             let triangles = world_triangles(&original, &moved.instances, &moved.materials).unwrap();
             let before = rendered(&tracer);
-            for kind in [AccelKind::fastest_on(&device), AccelKind::Kd] {
+            for kind in [fastest_on(&device), AccelKind::Kd] {
                 tracer.replace(Structure::build(&device, kind, triangles.clone()).unwrap());
                 assert!(rendered(&tracer) == before);
                 assert!(!tracer.move_instance(&original, &moved.instances, 0).unwrap(), "only a bvh2 can be refitted");

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
-use raywarp::accel::{AccelKind, Quality};
+use raywarp::accel::{AccelKind, Build, Quality};
 use raywarp::backend::{Device, DeviceChoice};
 use raywarp::image::ToneMap;
 use raywarp::render::{RenderOptions, Tracer};
@@ -354,8 +354,8 @@ fn a_saved_scene_shows_the_same_picture() {
         save::to_file(&Original::of(path.as_deref(), &loaded), &loaded.scene, &now, &target).unwrap();
         (now.meshes, now.images) = (loaded.scene.meshes, loaded.scene.images);
         let picture = |scene: &Scene| {
-            let tracer = Tracer::new(scene, scene.render.build(&device, false), &device).unwrap();
-            let options = RenderOptions { seed: 7, ..scene.render.options() };
+            let tracer = Tracer::new(scene, Build::wished(&scene.render, &device, false), &device).unwrap();
+            let options = RenderOptions { seed: 7, ..RenderOptions::from(&scene.render) };
             tracer.render(tracer.default_camera(), &options, &mut |_| ()).unwrap().picture
         };
         assert_eq!(picture(&read(Some(&target)).scene), picture(&now), "{path:?}");

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
-use raywarp::accel::AccelKind;
+use raywarp::accel::{fastest_on, AccelKind};
 use raywarp::backend::Device;
 use raywarp::render::{RenderOptions, Rendering, Tracer};
 use raywarp::scene::Scene;
@@ -54,7 +54,7 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
     let loaded = read(options.subjects.scenes.first().map(PathBuf::as_path), false)?;
     let device = Device::open(options.device)?;
     let mut bench = Bench::new(options, options.one_size()?, &device);
-    let structures = [AccelKind::Brute, AccelKind::Kd, AccelKind::fastest_on(&device)];
+    let structures = [AccelKind::Brute, AccelKind::Kd, fastest_on(&device)];
     for &accel in if options.layout.is_empty() { &structures } else { &options.layout[..] } {
         bench.measure(&loaded.scene, accel, &device)?;
     }

@@ -1,7 +1,7 @@
 //! `raywarp bench`: rays a second.
 
 use anyhow::Context;
-use raywarp::accel::{AccelKind, Build, Quality};
+use raywarp::accel::{fastest_on, AccelKind, Build, Quality};
 use raywarp::backend::Device;
 use raywarp::query::RayKind;
 
@@ -57,7 +57,7 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
 
 /// Every structure with every quality that it has.
 fn builds(options: &BenchOptions, device: &Device) -> Vec<Build> {
-    let layouts = if options.layout.is_empty() { &[AccelKind::fastest_on(device)] } else { &options.layout[..] };
+    let layouts = if options.layout.is_empty() { &[fastest_on(device)] } else { &options.layout[..] };
     let qualities = |kind: AccelKind| match kind.is_hierarchy() {
         true => options.tree.clone(),
         false => vec![Quality::default()],

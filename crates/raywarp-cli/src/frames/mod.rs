@@ -14,6 +14,7 @@ mod range;
 use std::time::Instant;
 
 use raywarp::image::{Layers, Rgb8};
+use raywarp::render;
 use raywarp::scene::Camera;
 
 use crate::interrupt::Interrupt;
@@ -47,7 +48,7 @@ pub fn run(options: &RenderOptions, range: Range) -> anyhow::Result<()> {
     let load_seconds = start.elapsed().as_secs_f64();
     let path = options.frames.path.as_deref().map(|name| flight::named(&loaded.scene.paths, name)).transpose()?;
     let wishes = options.wishes().or(&loaded.scene.render);
-    let size = check(wishes.options().size, options, &files.plan(range.first)?)?;
+    let size = check(render::RenderOptions::from(&wishes).size, options, &files.plan(range.first)?)?;
     let stage = Stage::set(options, wishes, &loaded)?;
     let flight = Flight::new(&stage, path, whole);
     flight.check(range)?;

@@ -159,8 +159,8 @@ impl Look {
     /// The options that a scene or a command line asks for, and where they are silent the usual ones.
     pub fn of(wishes: &RenderDefaults) -> Self {
         let usual = Self::default();
-        let RenderOptions { max_depth, shadows, seed, .. } = wishes.options();
-        let (spp, development) = (wishes.spp.unwrap_or(usual.spp), wishes.development());
+        let RenderOptions { max_depth, shadows, seed, .. } = RenderOptions::from(wishes);
+        let (spp, development) = (wishes.spp.unwrap_or(usual.spp), Development::from(wishes));
         Self { max_depth, shadows, seed, spp, development, ..usual }
     }
 

@@ -1,9 +1,7 @@
 //! From linear radiance to the bytes of a screen.
 
-use std::fmt;
-use std::str::FromStr;
-
 use raywarp_kernels::display::{curve, Tone};
+use raywarp_scene::settings::{RenderDefaults, ToneMap};
 
 /// How radiance becomes a displayed colour. EXR files hold the radiance itself and ignore this.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -12,40 +10,6 @@ pub struct Development {
     pub exposure: f32,
     /// What happens to radiance that a screen cannot show.
     pub tone_map: ToneMap,
-}
-
-/// The curve from exposed radiance to display-linear light in 0 to 1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ToneMap {
-    /// Everything above 1 is 1: what Phong's model expects.
-    #[default]
-    Clamp,
-    /// The ACES curve as fitted by Narkowicz (2015): highlights roll off instead of burning out.
-    Filmic,
-}
-
-impl ToneMap {
-    /// Every curve.
-    pub const ALL: [Self; 2] = [Self::Clamp, Self::Filmic];
-}
-
-impl fmt::Display for ToneMap {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Clamp => "clamp",
-            Self::Filmic => "filmic",
-        })
-    }
-}
-
-impl FromStr for ToneMap {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let found = Self::ALL.into_iter().find(|curve| curve.to_string() == text);
-        found.ok_or_else(|| "the curves are clamp and filmic".to_owned())
-    }
 }
 
 impl Development {
@@ -59,27 +23,22 @@ impl Development {
     }
 }
 
-/// Linear value of an sRGB one, both from 0 to 1 (IEC 61966-2-1).
-pub fn srgb_to_linear(encoded: f32) -> f32 {
-    if encoded <= 0.040_45 {
-        encoded / 12.92
-    } else {
-        ((encoded + 0.055) / 1.055).powf(2.4)
-    }
-}
-
-/// [`srgb_to_linear`] in double precision, for tables and for values of more than 8 bits.
-pub(crate) fn srgb_to_linear_precise(encoded: f64) -> f64 {
-    if encoded <= 0.040_45 {
-        encoded / 12.92
-    } else {
-        ((encoded + 0.055) / 1.055).powf(2.4)
+impl From<&RenderDefaults> for Development {
+    /// As the scene or the command line wishes, and else as usual.
+    fn from(wishes: &RenderDefaults) -> Self {
+        let usual = Self::default();
+        Self {
+            exposure: wishes.exposure.unwrap_or(usual.exposure),
+            tone_map: wishes.tone_map.unwrap_or(usual.tone_map),
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use raywarp_kernels::display::srgb_byte;
+
+    use raywarp_scene::srgb::srgb_to_linear;
 
     use super::*;
 

@@ -17,8 +17,8 @@ mod probe;
 use raywarp_kernels::kernels::Surfel;
 use raywarp_kernels::traverse::Tests;
 
-pub(crate) use color::srgb_to_linear_precise;
-pub use color::{srgb_to_linear, Development, ToneMap};
+pub use crate::scene::settings::ToneMap;
+pub use color::Development;
 pub use error::ImageError;
 pub use format::Format;
 pub use layer::Layer;

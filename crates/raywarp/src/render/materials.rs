@@ -3,7 +3,7 @@
 use raywarp_kernels::material::{flags, Material};
 use raywarp_kernels::texture::{mode, Texture, NO_TEXTURE};
 
-use crate::image::srgb_to_linear_precise;
+use crate::scene::srgb::srgb_to_linear_precise;
 use crate::scene::{self, AlphaMode, Channel, Filter, Image, NormalMap, Scene, Wrap};
 
 /// Materials and the textures that they refer to.

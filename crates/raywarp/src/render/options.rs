@@ -1,15 +1,11 @@
 //! What a picture may be asked to be.
 
+use raywarp_scene::settings::RenderDefaults;
+pub use raywarp_scene::settings::{MAX_DEPTH, MAX_SIDE, MAX_SPP};
+
 use super::RenderError;
 
-/// Most bounces, see [`raywarp_kernels::shade::whitted::MAX_DEPTH`].
-pub const MAX_DEPTH: u32 = raywarp_kernels::shade::whitted::MAX_DEPTH;
-
-/// Most samples a pixel: beyond, single precision no longer adds them up.
-pub const MAX_SPP: u32 = 1 << 20;
-
-/// Most pixels along a side.
-pub const MAX_SIDE: u32 = 1 << 16;
+const _: () = assert!(MAX_DEPTH == raywarp_kernels::shade::whitted::MAX_DEPTH);
 
 /// The options of a picture, with their defaults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +29,21 @@ pub struct RenderOptions {
 impl Default for RenderOptions {
     fn default() -> Self {
         Self { size: [1920, 1080], spp: 1, max_depth: 5, shadows: true, seed: 0, crop: None, count_tests: false }
+    }
+}
+
+impl From<&RenderDefaults> for RenderOptions {
+    /// A whole picture as the scene or the command line wishes, and else as usual.
+    fn from(wishes: &RenderDefaults) -> Self {
+        let usual = Self::default();
+        Self {
+            size: wishes.size.unwrap_or(usual.size),
+            spp: wishes.spp.unwrap_or(usual.spp),
+            max_depth: wishes.max_depth.unwrap_or(usual.max_depth),
+            shadows: wishes.shadows.unwrap_or(usual.shadows),
+            seed: wishes.seed.unwrap_or(usual.seed),
+            ..usual
+        }
     }
 }
 

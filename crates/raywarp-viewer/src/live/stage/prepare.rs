@@ -129,7 +129,7 @@ impl Order {
 fn build_of(wishes: &RenderDefaults, device: &Device, cached: bool) -> Build {
     // A bvh2 traces pictures on a GPU as fast as what is fastest for all kinds of rays, and can follow what moves.
     let usual = device.is_cuda().then_some(AccelKind::Bvh2);
-    RenderDefaults { accel: wishes.accel.or(usual), ..*wishes }.build(device, cached)
+    Build::wished(&RenderDefaults { accel: wishes.accel.or(usual), ..*wishes }, device, cached)
 }
 
 /// The tree that people wait for.

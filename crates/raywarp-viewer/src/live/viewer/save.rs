@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use raywarp::render::RenderOptions;
 use raywarp::scene::save::{self, Original, SaveError};
 use raywarp::scene::{Camera, RenderDefaults};
 
@@ -29,7 +30,7 @@ pub fn scene_file(
     }
     let ([wanted, _], natural) = (stage.builds(), ready.natural);
     // What `raywarp render` would do without being told.
-    let plain = ready.read.render.options();
+    let plain = RenderOptions::from(&ready.read.render);
     let chosen = RenderDefaults {
         size: (size != plain.size).then_some(size),
         spp: (look.spp != plain.spp).then_some(look.spp),

@@ -1,0 +1,161 @@
+use super::*;
+use crate::{AlphaMode, Filter, Material, NormalMap, Wrap};
+
+/// A picture of 2 by 1 texels: white, then (0, 128, 255).
+fn picture() -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let image = image::RgbImage::from_raw(2, 1, vec![255, 255, 255, 0, 128, 255]).unwrap();
+    image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    bytes.into_inner()
+}
+
+fn with_material(material: &str) -> String {
+    let uri = format!("data:image/png;base64,{}", base64(&picture()));
+    let more = format!(
+        r#","materials":[{material}],"images":[{{"uri":"{uri}"}}],
+        "samplers":[{{"magFilter":9728,"wrapS":33071,"wrapT":33648}}],"textures":[{{"source":0}},{{"source":0,"sampler":0}}]"#
+    );
+    triangle(&more).replace(PRIMITIVE, r#"{"attributes":{"POSITION":0},"material":0}"#)
+}
+
+fn material(json: &str) -> Material {
+    scene(&with_material(json)).materials.remove(0)
+}
+
+fn near(a: [f32; 3], b: [f32; 3]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < 2e-3)
+}
+
+#[test]
+fn factors_are_linear_colors() {
+    let m = material(
+        r#"{"name":"paint","pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,1,0.5],"metallicFactor":0},
+        "emissiveFactor":[1,0.5,0],"extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":4}}}"#,
+    );
+    assert_eq!((m.name.as_str(), m.diffuse, m.ambient, m.opacity), ("paint", [0.5, 0.25, 1.0], [0.5, 0.25, 1.0], 0.5));
+    assert_eq!((m.emission, m.alpha), ([4.0, 2.0, 0.0], AlphaMode::Opaque));
+    assert!(near(m.specular, [0.01; 3]) && m.shininess == 1.0 && m.reflection == [0.0; 3]);
+}
+
+#[test]
+fn alpha_modes_are_kept() {
+    assert_eq!(material(r#"{"alphaMode":"MASK"}"#).alpha, AlphaMode::Mask(0.5));
+    assert_eq!(material(r#"{"alphaMode":"MASK","alphaCutoff":0.2}"#).alpha, AlphaMode::Mask(0.2));
+    assert_eq!(material(r#"{"alphaMode":"BLEND"}"#).alpha, AlphaMode::Blend);
+}
+
+#[test]
+fn glass_with_a_volume_bends_rays_and_thin_glass_does_not() {
+    let glass = |more: &str| {
+        material(&format!(
+            r#"{{"pbrMetallicRoughness":{{"metallicFactor":0,"roughnessFactor":0}},"extensions":{{
+            "KHR_materials_transmission":{{"transmissionFactor":1}},"KHR_materials_ior":{{"ior":1.33}}{more}}}}}"#
+        ))
+    };
+    let thin = glass("");
+    // A thin wall lets through what it does not mirror; where light is bent, Fresnel's equations share it out.
+    assert_eq!((thin.ior, thin.diffuse), (1.0, [0.0; 3]));
+    assert!(thin.fresnel && near(thin.reflection, [0.02; 3]) && near(thin.transmission, [0.98; 3]));
+    let thick = glass(r#","KHR_materials_volume":{"thicknessFactor":0.5}"#);
+    assert_eq!((thick.ior, thick.fresnel), (1.33, true));
+    assert_eq!((thick.reflection, thick.transmission), ([0.0; 3], [1.0; 3]));
+}
+
+#[test]
+fn specular_factors_scale_the_reflectance() {
+    let m = material(
+        r#"{"pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":0},
+        "extensions":{"KHR_materials_specular":{"specularFactor":0.5,"specularColorFactor":[1,0.5,2]}}}"#,
+    );
+    assert!(near(m.reflection, [0.02, 0.01, 0.04]), "{:?}", m.reflection);
+}
+
+#[test]
+fn specular_glossiness_is_read() {
+    let m = material(
+        r#"{"extensions":{"KHR_materials_pbrSpecularGlossiness":{"diffuseFactor":[0.5,0.5,0.5,1],
+        "specularFactor":[0.2,0.1,0],"glossinessFactor":1,"diffuseTexture":{"index":0}}}}"#,
+    );
+    assert_eq!((m.diffuse, m.reflection), ([0.5; 3], [0.2, 0.1, 0.0]));
+    assert!(m.diffuse_map.is_some());
+}
+
+#[test]
+fn unlit_materials_show_their_color() {
+    let m =
+        material(r#"{"pbrMetallicRoughness":{"baseColorFactor":[0.5,1,1,1]},"extensions":{"KHR_materials_unlit":{}}}"#);
+    assert!(m.unlit);
+    assert_eq!((m.diffuse, m.specular, m.reflection), ([0.5, 1.0, 1.0], [0.0; 3], [0.0; 3]));
+}
+
+#[test]
+fn textures_are_decoded_once_and_sampled_as_asked() {
+    let scene = scene(&with_material(
+        r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":1,
+        "extensions":{"KHR_texture_transform":{"offset":[0.5,0.25],"scale":[2,4]}}}},
+        "emissiveFactor":[1,1,1],"emissiveTexture":{"index":0},
+        "normalTexture":{"index":0,"scale":0.5,"extensions":{"KHR_texture_transform":{"scale":[3,1]}}}}"#,
+    ));
+    assert_eq!(scene.images.len(), 1);
+    let m = &scene.materials[0];
+    let base = m.diffuse_map.unwrap();
+    assert_eq!((base.srgb, base.wrap, base.filter), (true, [Wrap::Clamp, Wrap::Mirror], Filter::Nearest));
+    // v' = 1 - (4 (1 - v) + 0.25)
+    assert_eq!(base.transform, [[2.0, 0.0, 0.5], [0.0, 4.0, -3.25]]);
+    let emission = m.emission_map.unwrap();
+    assert_eq!((emission.srgb, emission.wrap, emission.filter), (true, [Wrap::Repeat; 2], Filter::Bilinear));
+    let Some(NormalMap::Tangent { texture, scale }) = m.normal_map else { panic!("a normal map") };
+    assert_eq!((texture.srgb, scale, texture.transform[0][0]), (false, 0.5, 3.0));
+}
+
+#[test]
+fn metallic_and_roughness_textures_count_by_their_mean() {
+    let scene = scene(&with_material(
+        r#"{"pbrMetallicRoughness":{"metallicRoughnessTexture":{"index":0},"baseColorFactor":[1,1,1,1]}}"#,
+    ));
+    let m = &scene.materials[0];
+    // Blue is all metal; green is 0.751 on average, alpha its square.
+    assert!(near(m.diffuse, [0.5639; 3]), "{:?}", m.diffuse);
+    assert!(scene.images.is_empty(), "only the mean is kept");
+}
+
+#[test]
+fn pictures_in_views_are_read() {
+    let png = picture();
+    let length = png.len();
+    let json = with_material(r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}"#)
+        .replace(r#""bufferViews":["#, &format!(r#""bufferViews":[{{"buffer":1,"byteLength":{length}}},"#))
+        .replace(r#"{"bufferView":0"#, r#"{"bufferView":1"#)
+        .replace(
+            r#"}],"bufferViews""#,
+            &format!(r#"}},{{"byteLength":{length},"uri":"{}"}}],"bufferViews""#, data_uri(&png)),
+        );
+    let start = json.find(r#""images":"#).unwrap();
+    let end = start + json[start..].find(']').unwrap();
+    let json = format!(r#"{}"images":[{{"bufferView":0,"mimeType":"image/png"}}{}"#, &json[..start], &json[end..]);
+    let scene = scene(&json);
+    assert_eq!((scene.images[0].width, scene.images[0].texels[1]), (2, [0, 128, 255, 255]));
+}
+
+#[test]
+fn a_missing_picture_is_a_warning_and_a_checker() {
+    let json = with_material(r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}"#);
+    let json = json.replace(&format!("data:image/png;base64,{}", base64(&picture())), "none.png");
+    let loaded = load_json(&json);
+    assert!(loaded.warnings[0].message.contains("none.png"), "{:?}", loaded.warnings);
+    assert!(loaded.scene.materials[0].diffuse_map.is_some());
+}
+
+#[test]
+fn a_texture_without_a_source_is_left_out() {
+    let json = with_material(r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}"#)
+        .replace(r#""textures":[{"source":0}"#, r#""textures":[{}"#);
+    assert_eq!(warnings(&json), ["textures[0] names no picture that raywarp can read: it is left out"]);
+}
+
+#[test]
+fn webp_is_preferred_where_it_is_offered() {
+    let json = with_material(r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}"#)
+        .replace(r#""textures":[{"source":0}"#, r#""textures":[{"extensions":{"EXT_texture_webp":{"source":0}}}"#);
+    assert_eq!(scene(&json).images.len(), 1);
+}

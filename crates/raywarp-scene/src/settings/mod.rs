@@ -1,0 +1,20 @@
+//! How a scene wants to be rendered: what a scene file and a command line can both say.
+
+mod quality;
+mod render;
+mod structure;
+mod tone_map;
+
+pub use quality::{Quality, UnknownQuality};
+pub use render::RenderDefaults;
+pub use structure::{AccelKind, UnknownKind};
+pub use tone_map::ToneMap;
+
+/// Most bounces of Whitted's recursion: the size of its stack in the kernels.
+pub const MAX_DEPTH: u32 = 16;
+
+/// Most samples a pixel: beyond, single precision no longer adds them up.
+pub const MAX_SPP: u32 = 1 << 20;
+
+/// Most pixels along a side.
+pub const MAX_SIDE: u32 = 1 << 16;

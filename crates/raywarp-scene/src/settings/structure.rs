@@ -1,0 +1,111 @@
+//! The choice of a structure, by name.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Which structure finds the triangles along a ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AccelKind {
+    /// None: every ray tests every triangle. The paper's first version and the oracle of the others.
+    Brute,
+    /// The same, with the triangles staged through memory that threads share.
+    Staged,
+    /// The paper's k-d tree: median splits, axes in turn.
+    Kd,
+    /// The k-d tree of the surface area heuristic, traversed by a stack.
+    KdSah,
+    /// The same, traversed by restarts and a trail, with a stack of four cells.
+    KdTrail,
+    /// Binary hierarchy of boxes, 64 bytes a node.
+    Bvh2,
+    /// The same on a grid of 16 bits an axis, 32 bytes a node.
+    Bvh2c,
+    /// Both, each for the rays that it suits.
+    #[default]
+    Bvh,
+    /// Four boxes a node, quantised to eight bits: 64 bytes.
+    Bvh4,
+    /// Eight boxes a node, compressed to 80 bytes.
+    Bvh8,
+    /// Eight boxes a node, quantised to eight bits, with a link each: 128 bytes.
+    Bvh8w,
+    /// Eight boxes a node in full precision, for the vector instructions of a CPU.
+    Bvh8f,
+}
+
+impl AccelKind {
+    /// Every kind.
+    pub const ALL: [Self; 12] = [
+        Self::Brute,
+        Self::Staged,
+        Self::Kd,
+        Self::KdSah,
+        Self::KdTrail,
+        Self::Bvh2,
+        Self::Bvh2c,
+        Self::Bvh,
+        Self::Bvh4,
+        Self::Bvh8,
+        Self::Bvh8w,
+        Self::Bvh8f,
+    ];
+
+    /// Whether this is a hierarchy of boxes, in some layout. Those come in several qualities, and are kept on disk.
+    pub const fn is_hierarchy(self) -> bool {
+        !matches!(self, Self::Brute | Self::Staged | Self::Kd | Self::KdSah | Self::KdTrail)
+    }
+
+    /// The name that [`FromStr`] reads.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Brute => "brute",
+            Self::Staged => "staged",
+            Self::Kd => "kd",
+            Self::KdSah => "kdsah",
+            Self::KdTrail => "kdtrail",
+            Self::Bvh2 => "bvh2",
+            Self::Bvh2c => "bvh2c",
+            Self::Bvh => "bvh",
+            Self::Bvh4 => "bvh4",
+            Self::Bvh8 => "bvh8",
+            Self::Bvh8w => "bvh8w",
+            Self::Bvh8f => "bvh8f",
+        }
+    }
+}
+
+impl fmt::Display for AccelKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A name that belongs to no structure.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "'{0}' is no acceleration structure; expected brute, staged, kd, kdsah, kdtrail, bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w or bvh8f"
+)]
+pub struct UnknownKind(pub String);
+
+impl FromStr for AccelKind {
+    type Err = UnknownKind;
+
+    fn from_str(name: &str) -> Result<Self, UnknownKind> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| UnknownKind(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lead_back() {
+        for kind in AccelKind::ALL {
+            assert_eq!(kind.to_string().parse(), Ok(kind));
+        }
+        assert_eq!("octree".parse::<AccelKind>(), Err(UnknownKind("octree".into())));
+        assert_eq!(AccelKind::default(), AccelKind::Bvh);
+    }
+}
