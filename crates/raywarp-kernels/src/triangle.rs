@@ -61,6 +61,12 @@ impl Across {
 }
 
 impl Across {
+    /// The ray's direction over its largest component. Exact: all factors but one of each product are 0 or 1.
+    #[inline(always)]
+    fn direction(&self) -> Vec3 {
+        self.x.cross(self.y)
+    }
+
     /// Of a point relative to the ray's origin.
     #[inline(always)]
     pub(crate) fn flatten(&self, point: Vec3) -> Flat {
@@ -93,8 +99,16 @@ pub(crate) const TINY: f32 = f32::MIN_POSITIVE;
 /// Sums of edge functions from here on are no longer sure to have a normal inverse.
 const LARGE: f32 = f32::from_bits((127 + 125) << 23);
 
-/// What a box leaves around a triangle, in units of its extent.
-pub const MARGIN: f32 = 4.0 / 16_777_216.0;
+/// How far [`Triangle::if_hit`] may move a distance that cancellation has spoilt, in units of the range of distances that
+/// the triangle spans: mixing the distances of its corners is off by up to 4, and by more where the ray grazes the plane.
+const SOLVED_AGAIN: f32 = 60.0 / 16_777_216.0;
+
+/// Where the farthest corner is this much farther than the hit, the distances of the corners cancel in the mix.
+const CANCELLED: f32 = 1.25;
+
+/// What a box leaves around a triangle, in units of its extent: 4 roundings of the mixed distance, and what
+/// [`SOLVED_AGAIN`] adds.
+pub const MARGIN: f32 = 4.0 / 16_777_216.0 + SOLVED_AGAIN;
 
 /// A box with the margin for a triangle of some extent, all or part of which is in it.
 #[inline(always)]
@@ -116,7 +130,7 @@ impl Triangle {
     /// the triangle.
     ///
     /// That is a little more than its corners: the test rounds them, by up to 2^-23 of the triangle's extent across the
-    /// ray. And it makes every box contain its faces beyond doubt, so that a ray which runs in one enters it.
+    /// ray, and by up to [`MARGIN`] of it along the ray. And it makes every box contain its faces beyond doubt, so that a ray which runs in one enters it.
     #[inline(always)]
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let (low, high) = (self.v0.min(self.v1).min(self.v2), self.v0.max(self.v1).max(self.v2));
@@ -162,9 +176,40 @@ impl Triangle {
         }
         // Weights first: they are at most 1, whatever the units.
         let (u, v, w) = (u * inverse, v * inverse, w * inverse);
-        let along = |v: Vec3| v.dot(across.along);
-        let t = arch::fma(u, along(p), arch::fma(v, along(q), w * along(r)));
+        let [a, b, c] = [p, q, r].map(|corner| corner.dot(across.along));
+        let mut t = arch::fma(u, a, arch::fma(v, b, w * c));
+        if arch::max(arch::max(a.abs(), b.abs()), c.abs()) > CANCELLED * t.abs() {
+            let range = arch::max(arch::max(a, b), c) - arch::min(arch::min(a, b), c);
+            t = self.solved_again(*across, t, SOLVED_AGAIN * range);
+        }
         then(Hit { t, u: v, v: w, primitive: self.primitive });
+    }
+
+    /// The distance to the plane of a triangle that the ray meets close by and that reaches far: there `mixed`, the mix of
+    /// the corners' distances, has the error of the farthest corner. The plane's equation in double precision has not.
+    ///
+    /// No distance is moved by more than `reach`, [`SOLVED_AGAIN`] of the corners' range, so it stays in every box that holds the triangle.
+    ///
+    /// By value, and not inlined on a GPU: its registers are none of the loop's, nor is anything of the loop in memory for it.
+    #[cold]
+    #[cfg_attr(target_arch = "nvptx64", inline(never))]
+    #[cfg_attr(not(target_arch = "nvptx64"), inline(always))]
+    fn solved_again(self, across: Across, mixed: f32, reach: f32) -> f32 {
+        let [p, q, r, origin] = [self.v0, self.v1, self.v2, across.origin].map(Double::from);
+        let normal = q.minus(p).cross(r.minus(p));
+        let inverse = across.along.x + across.along.y + across.along.z;
+        let slope = normal.dot(across.direction().into()) as f32;
+        // A division, not an inverse: this must be right where the slope is tiny, on every machine.
+        let solved = normal.dot(p.minus(origin)) as f32 / slope * inverse;
+        if (solved - mixed).abs() <= reach {
+            solved
+        } else if solved > mixed {
+            mixed + reach
+        } else if solved < mixed {
+            mixed - reach
+        } else {
+            mixed
+        }
     }
 
     /// Möller and Trumbore's own form, as in the paper: Cramer's rule on `s = t(-d) + u e1 + v e2`.
@@ -180,6 +225,35 @@ impl Triangle {
         let (u, v) = (s.dot(p) * inverse, d.dot(q) * inverse);
         let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
         inside.then(|| Hit { t: e2.dot(q) * inverse, u, v, primitive: self.primitive })
+    }
+}
+
+/// A vector in double precision.
+#[derive(Clone, Copy)]
+struct Double([f64; 3]);
+
+impl From<Vec3> for Double {
+    #[inline(always)]
+    fn from(v: Vec3) -> Self {
+        Self([v.x.into(), v.y.into(), v.z.into()])
+    }
+}
+
+impl Double {
+    #[inline(always)]
+    fn minus(self, Self([x, y, z]): Self) -> Self {
+        Self([self.0[0] - x, self.0[1] - y, self.0[2] - z])
+    }
+
+    #[inline(always)]
+    fn cross(self, Self(b): Self) -> Self {
+        let a = self.0;
+        Self([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+    }
+
+    #[inline(always)]
+    fn dot(self, Self([x, y, z]): Self) -> f64 {
+        self.0[0] * x + self.0[1] * y + self.0[2] * z
     }
 }
 

@@ -77,6 +77,8 @@ pub fn trace<S: Structure, C: Counter>(
             radiance += weight * tracer.local(&branch.ray, &surface, material);
             if branch.depth < limits.depth {
                 scatter(&branch, weight, &surface, material, &mut waiting);
+            } else {
+                radiance += weight * material.transmission * scene.surroundings(branch.ray.direction);
             }
             // Go on straight behind a surface that covers only part.
             branch.weight = branch.weight * (1.0 - surface.coverage);
