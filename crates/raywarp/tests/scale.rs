@@ -58,10 +58,10 @@ fn a_plate_close_above_a_floor_of_any_size_casts_its_shadow() {
             let (plate, gap) = (size * ratio, size * ratio * 0.1);
             let mut scene = scene(vec![square(0.0, size, 0), square(gap, plate, 0)], vec![matt(1.0)]);
             // Seen from under the plate, from a quarter of its height to its middle.
-            let shadow = seen(&scene, [0.0, gap * 0.25, 0.0], [gap, 0.0, 0.0], 0.5);
+            let shadow = seen(&scene, [0.0, gap * 0.25, 0.0], [gap, 0.0, 0.0], 0.2);
             assert!(shadow.iter().all(|&r| r == 0.0), "floor {size}, plate {plate}: {shadow:?}");
             scene.instances.pop();
-            let lit = seen(&scene, [0.0, gap * 0.25, 0.0], [gap, 0.0, 0.0], 0.5);
+            let lit = seen(&scene, [0.0, gap * 0.25, 0.0], [gap, 0.0, 0.0], 0.2);
             assert!(lit.iter().all(|&r| r > 0.99), "floor {size}: {lit:?}");
         }
     }
@@ -76,7 +76,7 @@ fn a_mirror_of_any_size_shows_what_is_close_above_it() {
         for ratio in [1.0, 1e-3, 1e-6] {
             let (plate, gap) = (size * ratio, size * ratio * 0.01);
             let scene = scene(vec![square(0.0, size, 0), square(gap, plate, 1)], vec![mirror.clone(), glow.clone()]);
-            let mirrored = seen(&scene, [0.0, gap * 0.5, 0.0], [gap, 0.0, 0.0], 0.5);
+            let mirrored = seen(&scene, [0.0, gap * 0.5, 0.0], [gap, 0.0, 0.0], 0.2);
             assert!(mirrored.iter().all(|&r| r > 0.99), "mirror {size}, plate {plate}: {mirrored:?}");
         }
     }
@@ -90,12 +90,12 @@ fn a_decal_just_above_a_large_floor_covers_it_without_speckles() {
             vec![matt(0.25), matt(1.0)],
         );
         let (above, beside) = ([0.5, 1.5, 4.0], [0.0, 0.01, 0.0]);
-        let decal = seen(&scene, above, beside, 0.1);
+        let decal = seen(&scene, above, beside, 0.04);
         assert!(decal.iter().all(|&r| (r - 1.0).abs() < 1e-3), "10^{exponent}: {decal:?}");
         // The one below the floor is hidden.
         let mut hidden = scene.clone();
         hidden.instances.remove(1);
-        let floor = seen(&hidden, above, beside, 0.1);
+        let floor = seen(&hidden, above, beside, 0.04);
         assert!(floor.iter().all(|&r| (r - 0.25).abs() < 1e-3), "10^{exponent}: {floor:?}");
     }
 }
@@ -109,7 +109,7 @@ fn walls_of_any_tilt_do_not_shade_themselves() {
             mesh.positions.iter_mut().for_each(|[x, y, _]| (*x, *y) = (*x * cos, *x * sin));
             let scene = scene(vec![mesh], vec![matt(1.0)]);
             let height = size * 0.1;
-            let lit = seen(&scene, [0.0, height, 0.0], [0.0; 3], 0.8);
+            let lit = seen(&scene, [0.0, height, 0.0], [0.0; 3], 0.1);
             assert!(lit.iter().all(|&r| (r - cos).abs() < 1e-3), "tilt {tilt}, size {size}: {lit:?}");
         }
     }
