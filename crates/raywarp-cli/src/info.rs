@@ -6,7 +6,9 @@ use raywarp::render::{Report, Tracer};
 use raywarp::scene::{Material, Scene};
 use serde::Serialize;
 
+use crate::interrupt::Interrupt;
 use crate::options::InfoOptions;
+use crate::output::to_standard_output;
 use crate::render::read;
 use crate::report::{SceneCounts, Table, Tree};
 use crate::say;
@@ -61,7 +63,8 @@ struct TreeInfo {
 
 /// Says what is in a scene.
 pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
-    let loaded = read(options.scene.as_deref(), options.strict)?;
+    let _ends = Interrupt::install();
+    let loaded = read(options.scene.as_deref(), options.strict, &mut to_standard_output()?)?;
     let scene = &loaded.scene;
     let cpu = Device::open(DeviceChoice::Cpu)?;
     let report = |accel| Tracer::new(scene, accel, &cpu).map(|tracer| tracer.report().clone());
@@ -84,8 +87,7 @@ pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
         warnings: loaded.warnings.iter().map(ToString::to_string).collect(),
         notes: bvh.notes,
     };
-    let text = if options.json { serde_json::to_string_pretty(&info)? + "\n" } else { info.text() };
-    say::out(text.as_bytes())?;
+    say::results(&info, options.json, || info.text())?;
     say::warnings(&loaded.warnings);
     Ok(())
 }

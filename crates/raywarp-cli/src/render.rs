@@ -1,20 +1,21 @@
 //! `raywarp render`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context;
-use raywarp::accel::Build;
+use raywarp::accel::{Build, Cache};
 use raywarp::backend::Device;
 use raywarp::image::{Development, Layers};
 use raywarp::render::{self, Progress, Rendering, Tracer};
 use raywarp::scene::{load, Camera, LoadOptions, Loaded, RenderDefaults};
+use raywarp::write::Outputs;
 
 use crate::frames;
 use crate::interrupt::Interrupt;
 use crate::limits;
 use crate::options::{RenderOptions, StatsForm};
-use crate::output::{Plan, Results};
+use crate::output::{Plan, Results, Target};
 use crate::progress::{Bar, Words};
 use crate::report::{SceneCounts, Seconds, Statistics};
 use crate::say;
@@ -25,7 +26,9 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
         return frames::run(options, range);
     }
     let interrupt = Interrupt::install();
-    let plan = plan(options, &interrupt)?;
+    let mut outputs = Outputs::default();
+    outputs.reads(&options.scene)?;
+    let plan = plan(options, &mut outputs, &interrupt)?;
     if let Some(size) = options.size {
         // Better told before a large scene is read.
         limits::check(size, options, &plan)?;
@@ -33,7 +36,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     limit_threads(options.machine.threads)?;
 
     let start = Instant::now();
-    let loaded = read(options.scene.as_deref(), options.strict)?;
+    let loaded = read(options.scene.as_deref(), options.strict, &mut outputs)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let wishes = options.wishes().or(&loaded.scene.render);
     let region = limits::check(render::RenderOptions::from(&wishes).size, options, &plan)?;
@@ -44,7 +47,8 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let taken = shot.take(&mut |progress| bar.update(progress.done, Some(progress.total)))?;
     drop(bar);
     let saving = Instant::now();
-    plan.write(&shot.results(&taken, &shot.layers(&taken)?), &interrupt, options.quiet)?;
+    let target = Target { run: &outputs, interrupt: &interrupt };
+    plan.write(&shot.results(&taken, &shot.layers(&taken)?), target, options.quiet)?;
 
     let mut statistics = stage.statistics(region);
     statistics.add(&taken);
@@ -53,18 +57,29 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     conclude(options, &plan, &statistics, start.elapsed().as_secs_f64())
 }
 
-fn plan(options: &RenderOptions, interrupt: &Interrupt) -> anyhow::Result<Plan> {
+fn plan(options: &RenderOptions, outputs: &mut Outputs, interrupt: &Interrupt) -> anyhow::Result<Plan> {
     // Trying whether files can be written makes some for a moment.
     let _held = interrupt.hold();
-    Plan::new(options)
+    Plan::new(options, outputs)
 }
 
-/// The scene of a file, or the built-in one.
-pub fn read(path: Option<&Path>, strict: bool) -> anyhow::Result<Loaded> {
-    Ok(match path {
+/// The scene of a file, or the built-in one, once it is known that no output of the run is one of its files.
+pub fn read(path: Option<&Path>, strict: bool, run: &mut Outputs) -> anyhow::Result<Loaded> {
+    run.reads(path)?;
+    let loaded = match path {
         Some(path) => load::load(path, &LoadOptions { strict })?,
         None => load::builtin()?,
-    })
+    };
+    run.reads(&loaded.files)?;
+    run.reads(cached_trees())?;
+    Ok(loaded)
+}
+
+/// Every file of the cache of trees: which of them a scene needs is known only once it is built.
+fn cached_trees() -> Vec<PathBuf> {
+    let entries = Cache::standard().and_then(|cache| std::fs::read_dir(cache.directory()).ok());
+    let paths = entries.into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()));
+    paths.filter(|path| path.extension().is_some_and(|extension| extension == "tree")).collect()
 }
 
 /// The CPU's threads, if there is a wish.
@@ -218,7 +233,7 @@ impl Shot<'_> {
 /// The statistics, where they are asked for.
 pub fn say_statistics(options: &RenderOptions, statistics: &Statistics) -> anyhow::Result<()> {
     match options.stats {
-        Some(StatsForm::Json) => say::out(format!("{}\n", serde_json::to_string_pretty(statistics)?).as_bytes())?,
+        Some(StatsForm::Json) => say::results(statistics, true, String::new)?,
         Some(StatsForm::Table) => say::line(statistics.table().trim_end()),
         None => {}
     }

@@ -281,7 +281,7 @@ pub struct Table(pub String);
 impl Table {
     /// Adds a line.
     pub fn row(&mut self, name: &str, value: impl std::fmt::Display) {
-        // Writing to a string cannot fail.
-        let _ = writeln!(self.0, "{name:<16}{value}");
+        // A name within may hold line breaks. Writing to a string cannot fail.
+        let _ = writeln!(self.0, "{name:<16}{}", say::text(&value.to_string()));
     }
 }

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use raywarp::image::{png, probe, Format, Layer, Rgb8};
-use raywarp::write;
+use raywarp::write::{self, Outputs};
 
 use super::names::Template;
 use super::range::Range;
 use crate::options::RenderOptions;
-use crate::output::Plan;
+use crate::output::{add_statistics, Plan};
+use crate::say;
 
 /// Frames that nobody names.
 const USUAL: &str = "raywarp-####.png";
@@ -40,12 +41,8 @@ impl FrameFiles {
             options.aov.is_empty() || !outputs.is_empty(),
             "--aov goes into picture files or beside them, and an animation holds the picture alone: give -o too"
         );
-        let name = |path: &PathBuf| match write::is_dash(path) {
-            true => "standard output".to_owned(),
-            false => path.display().to_string(),
-        };
         Ok(Self {
-            names: outputs.iter().map(name).collect::<Vec<_>>().join(", "),
+            names: outputs.iter().map(|path| say::output_name(path)).collect::<Vec<_>>().join(", "),
             outputs: outputs.iter().map(|path| Template::new(path)).collect::<Result<_, _>>()?,
             heatmap: options.heatmap.as_deref().map(Template::new).transpose()?,
             layers: options.aov.clone(),
@@ -61,29 +58,27 @@ impl FrameFiles {
         Plan::of(&outputs, self.heatmap.as_ref().map(|name| name.path(frame)), &self.layers)
     }
 
-    /// Finds out whether every file has a name of its own, also beside `other`, and a directory to be written into.
+    /// Adds every file to the outputs of the run, once it is known that it has a name of its own and a directory to be
+    /// written into.
     ///
     /// # Errors
-    /// Where one does not.
-    pub fn check(&self, range: Range, options: &RenderOptions) -> anyhow::Result<()> {
-        let other = options.frames.animation.as_deref();
-        let mut seen: HashSet<PathBuf> = other.map(Path::to_owned).into_iter().collect();
+    /// Where one does not, and where one is read.
+    pub fn check(&self, range: Range, options: &RenderOptions, run: &mut Outputs) -> anyhow::Result<()> {
+        options.frames.animation.iter().try_for_each(|path| run.add(path))?;
         let mut directories = HashSet::new();
-        for frame in range.frames() {
+        for (index, frame) in range.frames().enumerate() {
             let plan = self.plan(frame)?;
             plan.check_standard_output(options)?;
-            let mut dashes = 0;
-            for path in plan.paths() {
-                dashes += u32::from(write::is_dash(path));
-                let own = if write::is_dash(path) { dashes == 1 } else { seen.insert(path.to_owned()) };
-                anyhow::ensure!(own, "two outputs have the same name, {}: give each its own", path.display());
+            // Standard output takes frame after frame.
+            for path in plan.paths().filter(|path| index == 0 || !write::is_dash(path)) {
+                run.add(path)?;
                 // One file tells whether there is a right to write into its directory.
                 if directories.insert(write::directory_of(path)) {
                     write::check(path)?;
                 }
             }
         }
-        Ok(())
+        add_statistics(options, run)
     }
 }
 

@@ -16,11 +16,12 @@ use std::time::Instant;
 use raywarp::image::{Layers, Rgb8};
 use raywarp::render;
 use raywarp::scene::Camera;
+use raywarp::write::Outputs;
 
 use crate::interrupt::Interrupt;
 use crate::limits;
 use crate::options::RenderOptions;
-use crate::output::Plan;
+use crate::output::{Plan, Target};
 use crate::progress::{Bar, Words, THOUSAND};
 use crate::render::{limit_threads, read, say_statistics, Shot, Stage};
 use crate::report::{FrameCounts, Statistics};
@@ -36,7 +37,9 @@ use range::Range;
 pub fn run(options: &RenderOptions, range: Range) -> anyhow::Result<()> {
     let interrupt = Interrupt::install();
     let whole = range.whole(options.frames.of)?;
-    let files = name(options, range, &interrupt)?;
+    let mut outputs = Outputs::default();
+    outputs.reads(&options.scene)?;
+    let files = name(options, range, &mut outputs, &interrupt)?;
     if let Some(size) = options.size {
         // Better told before a large scene is read.
         check(size, options, &files.plan(range.first)?)?;
@@ -44,7 +47,7 @@ pub fn run(options: &RenderOptions, range: Range) -> anyhow::Result<()> {
     limit_threads(options.machine.threads)?;
 
     let start = Instant::now();
-    let loaded = read(options.scene.as_deref(), options.strict)?;
+    let loaded = read(options.scene.as_deref(), options.strict, &mut outputs)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let path = options.frames.path.as_deref().map(|name| flight::named(&loaded.scene.paths, name)).transpose()?;
     let wishes = options.wishes().or(&loaded.scene.render);
@@ -56,9 +59,10 @@ pub fn run(options: &RenderOptions, range: Range) -> anyhow::Result<()> {
     let open = |path| Animation::open(path, size, range.count(), options.frames.fps, &interrupt);
     let animation = options.frames.animation.as_deref().map(open).transpose()?;
     let statistics = stage.statistics(size);
-    let mut roll = Roll { stage: &stage, files: &files, flight: &flight, interrupt: &interrupt, animation, statistics };
+    let target = Target { run: &outputs, interrupt: &interrupt };
+    let mut roll = Roll { stage: &stage, files: &files, flight: &flight, target, animation, statistics };
     let counts = roll.expose(range)?;
-    let said = roll.animation.take().map(|animation| animation.finish(&interrupt)).transpose()?;
+    let said = roll.animation.take().map(|animation| animation.finish(target)).transpose()?;
     let mut statistics = roll.statistics;
     statistics.seconds.load = load_seconds;
     statistics.frames = Some(counts);
@@ -66,11 +70,16 @@ pub fn run(options: &RenderOptions, range: Range) -> anyhow::Result<()> {
 }
 
 /// The names of the frames' files, once it is known that they can be written.
-fn name(options: &RenderOptions, range: Range, interrupt: &Interrupt) -> anyhow::Result<FrameFiles> {
+fn name(
+    options: &RenderOptions,
+    range: Range,
+    outputs: &mut Outputs,
+    interrupt: &Interrupt,
+) -> anyhow::Result<FrameFiles> {
     // Trying whether files can be written makes some for a moment.
     let _held = interrupt.hold();
     let files = FrameFiles::new(options)?;
-    files.check(range, options)?;
+    files.check(range, options, outputs)?;
     Ok(files)
 }
 
@@ -88,7 +97,7 @@ struct Roll<'a> {
     stage: &'a Stage<'a>,
     files: &'a FrameFiles,
     flight: &'a Flight,
-    interrupt: &'a Interrupt,
+    target: Target<'a>,
     animation: Option<Animation>,
     statistics: Statistics,
 }
@@ -134,7 +143,7 @@ impl Roll<'_> {
         let layers: Layers = shot.layers(&taken)?;
         let results = shot.results(&taken, &layers);
         // What the colours mean is said of one frame: of all, it would be a book.
-        plan.write(&results, self.interrupt, self.stage.options.quiet || !is_first)?;
+        plan.write(&results, self.target, self.stage.options.quiet || !is_first)?;
         if let Some(animation) = &mut self.animation {
             animation.add(results.shown())?;
         }

@@ -12,7 +12,6 @@ mod watch;
 
 use std::time::Duration;
 
-use anyhow::Context;
 use raywarp::accel::{AccelKind, Quality};
 use raywarp::backend::Device;
 use raywarp::scene::RenderDefaults;
@@ -51,8 +50,7 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
         }
     }
     anyhow::ensure!(!live.rows.is_empty(), "nothing was measured; the notes above say why");
-    let text = if options.json { serde_json::to_string_pretty(&live)? + "\n" } else { live.table() };
-    say::out(text.as_bytes()).context("cannot write the results")
+    say::results(&live, options.json, || live.table())
 }
 
 /// Every structure with every quality of tree; no structure: the viewer's own choice.
