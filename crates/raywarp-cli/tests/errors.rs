@@ -21,7 +21,7 @@ fn broken_files() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("empty.ply", Vec::new(), "the first line is not 'ply'"),
         ("empty.gltf", Vec::new(), "EOF while parsing"),
         ("empty.glb", Vec::new(), "empty.glb"),
-        ("empty.toml", Vec::new(), "missing field `version`"),
+        ("empty.toml", Vec::new(), "the key 'version' is missing"),
         ("noise.obj", noise.clone(), "is not a statement"),
         ("noise.ply", noise.clone(), "the first line is not 'ply'"),
         ("noise.gltf", noise.clone(), "the JSON of glTF 2.0"),
@@ -43,7 +43,7 @@ fn broken_files() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             SCENE.replace("[[0, 1, 2]]", "[[0, 1, 7]]").into(),
             "the vertex index 7; expected one from 0 to 2",
         ),
-        ("nan.toml", SCENE.replace("[0, 1, 0]]", "[0, nan, 0]]").into(), "floating point `NaN`"),
+        ("nan.toml", SCENE.replace("[0, 1, 0]]", "[0, nan, 0]]").into(), "the number NaN"),
     ]
 }
 

@@ -76,12 +76,40 @@ pub enum LoadError {
         /// What to do, a sentence.
         help: String,
     },
+    /// A file that another one names cannot be used.
+    #[error("{}{place} names {name}: {error}", path.display())]
+    Named {
+        /// The file that names the other.
+        path: PathBuf,
+        /// Where.
+        place: Place,
+        /// The name as it stands there, printable.
+        name: String,
+        /// What is wrong with the other.
+        #[source]
+        error: Box<LoadError>,
+    },
     /// A warning, with [`LoadOptions::strict`](super::LoadOptions::strict).
     #[error("{0} (an error because of --strict)")]
     Strict(super::Warning),
 }
 
 impl LoadError {
+    /// Whether it is said of this file as a whole, and of no place in it.
+    pub(crate) fn is_about_all_of(&self, file: &Path) -> bool {
+        match self {
+            Self::Io { path, .. }
+            | Self::Unsupported { path, place: Place::File, .. }
+            | Self::TooLarge { path, place: Place::File, .. } => path == file,
+            _ => false,
+        }
+    }
+
+    /// Why a text in TOML, that is no scene file, is not what it should be; `help` is what to do, a sentence.
+    pub fn of_toml(path: &Path, text: &str, error: &::toml::de::Error, help: &str) -> Self {
+        super::toml::failure(path, text, error, help)
+    }
+
     pub(crate) fn unknown_format(path: &Path) -> Self {
         Self::Unsupported {
             path: path.to_owned(),

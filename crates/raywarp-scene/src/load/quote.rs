@@ -17,7 +17,7 @@ pub fn quote(bytes: &[u8]) -> String {
 }
 
 /// A file name that a file gave, escaped and cut at its beginning.
-pub(super) fn file_name(name: &str) -> String {
+pub fn file_name(name: &str) -> String {
     let count = name.chars().count();
     let dots = if count > LONGEST_NAME { "..." } else { "" };
     let shown = name.chars().skip(count.saturating_sub(LONGEST_NAME));

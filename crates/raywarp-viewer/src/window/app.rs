@@ -136,8 +136,7 @@ impl App {
     fn carry_out(&mut self, outcome: Outcome) {
         match outcome {
             Outcome::File { name, content, .. } => {
-                let files = self.stage.ready().map(|ready| ready.files.as_slice()).unwrap_or_default();
-                let notice = match (self.options.keep)(&name, &content, files) {
+                let notice = match (self.options.keep)(&name, &content, self.stage.files()) {
                     Ok(path) => Notice { text: format!("kept as {}", path.display()), error: false },
                     Err(error) => Notice { text: error.to_string(), error: true },
                 };

@@ -6,15 +6,23 @@ use std::path::{Path, PathBuf};
 use proptest::prelude::*;
 use quick_xml::events::Event;
 use quick_xml::Reader;
+use raywarp::write::Outputs;
 use tempfile::TempDir;
 
 use super::{sample, sections, write};
 use crate::bench::Spread;
+use crate::interrupt::Interrupt;
+use crate::output::Target;
 use crate::study::findings::{Bin, Distribution, SceneStudy, Study};
 
 const HOSTILE: &str = "<script>alert(1)</script>& \"'|[x](y)\u{1}\n-->]]>";
 
 const SECTIONS: [&str; 9] = ["structures", "growth", "speed", "stages", "tests", "load", "lanes", "sharing", "paths"];
+
+fn written(study: &Study, folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let (run, interrupt) = (Outputs::default(), Interrupt::install());
+    write(study, folder, Target { run: &run, interrupt: &interrupt })
+}
 
 /// A report in a folder of its own.
 struct Report {

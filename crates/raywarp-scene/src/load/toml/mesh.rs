@@ -27,7 +27,11 @@ impl Reader<'_> {
                 return Err(Complaint::new(at, "a mesh with a file and vertices", "one of them").into());
             }
         };
-        Ok(self.adopt(read, material))
+        let mut group = self.adopt(read, material);
+        if let Some(name) = &entry.name {
+            name_instances(&mut group.instances, name.get_ref());
+        }
+        Ok(group)
     }
 
     fn named_file(&mut self, entry: &file::Mesh, file: &file::Name) -> Result<Scene, Failure> {
@@ -37,8 +41,8 @@ impl Reader<'_> {
         }
         check_length(file.get_ref(), file.span().start)?;
         let path = self.folder.join(file.get_ref());
-        self.sources.count_use(&path)?;
-        let mut read = load::read(&path, self.sources)?;
+        let read = self.sources.count_use(&path).and_then(|()| load::read(&path, self.sources));
+        let mut read = read.map_err(|error| self.named_at(error, &path, file.get_ref(), file.span().start))?;
         for mesh in &mut read.meshes {
             match &entry.normals {
                 None | Some(Normals::File) => {}
@@ -106,6 +110,14 @@ impl Reader<'_> {
         };
         let instances = read.instances.into_iter().map(instance).collect();
         Group { instances, lights: read.lights, cameras: read.cameras, paths: read.paths }
+    }
+}
+
+/// An entry's name is that of its instance. Of several, those keep theirs that their file names.
+fn name_instances(instances: &mut [Instance], name: &str) {
+    let alone = instances.len() == 1;
+    for instance in instances.iter_mut().filter(|instance| alone || instance.name.is_empty()) {
+        name.clone_into(&mut instance.name);
     }
 }
 

@@ -222,6 +222,11 @@ impl Stage {
         self.error.take()
     }
 
+    /// The files of the scene that is shown, missing ones included.
+    pub(crate) fn files(&self) -> &[PathBuf] {
+        self.ready().map(|ready| ready.files.as_slice()).unwrap_or_default()
+    }
+
     pub(super) fn ready(&self) -> Option<&Ready> {
         self.ready.as_ref()
     }
