@@ -7,6 +7,7 @@ mod completions;
 mod doctor;
 mod failure;
 mod frames;
+mod guess;
 mod info;
 mod interrupt;
 mod limits;
@@ -26,12 +27,10 @@ mod view;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
-use options::{Command, Options, RenderOptions};
+use options::{Command, RenderOptions};
 
 fn main() -> ExitCode {
-    let done = match Options::parse().command {
+    let done = match guess::parse().command {
         None => render::run(&RenderOptions::built_in()),
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::View(options)) => view::run(&options),

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context;
-use raywarp::accel::{Build, Cache};
+use raywarp::accel::cache::Cache;
+use raywarp::accel::Build;
 use raywarp::backend::Device;
 use raywarp::image::{Development, Layers};
 use raywarp::render::{self, Progress, Rendering, Tracer};

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context;
 use raywarp::accel::{fastest_on, AccelKind};
 use raywarp::backend::Device;
 use raywarp::render::{RenderOptions, Rendering, Tracer};
