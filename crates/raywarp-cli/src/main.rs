@@ -16,6 +16,7 @@ mod options;
 mod output;
 mod paper;
 mod progress;
+mod provenance;
 mod query;
 mod render;
 mod report;

@@ -3,11 +3,12 @@
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
-use raywarp::image::{exr, false_color, heatmap, png, Development, Format, Layer, Layers, Picture, Rgb8};
+use raywarp::image::{exr, false_color, heatmap, png, Development, Format, Layer, Layers, Picture, Provenance, Rgb8};
 use raywarp::write::{self, Outputs};
 
 use crate::interrupt::Interrupt;
 use crate::options::{RenderOptions, StatsForm};
+use crate::provenance::Origin;
 use crate::say;
 
 /// The picture of a run that names none.
@@ -28,14 +29,15 @@ pub struct Results<'a> {
     layers: &'a Layers,
     development: Development,
     heatmap_max: Option<u64>,
+    provenance: Provenance,
     shown: OnceCell<Rgb8>,
 }
 
 impl<'a> Results<'a> {
-    /// The picture; the layers, if any are asked for, with tests for a heat map; how PNG shows radiance; and the top of
-    /// the heat map's scale.
-    pub fn new(picture: &'a Picture, layers: &'a Layers, development: Development, heatmap_max: Option<u64>) -> Self {
-        Self { picture, layers, development, heatmap_max, shown: OnceCell::new() }
+    /// The picture; the layers, if any are asked for, with tests for a heat map; and what they were made of.
+    pub fn new(picture: &'a Picture, layers: &'a Layers, origin: &Origin) -> Self {
+        let Origin { development, heatmap_max, .. } = *origin;
+        Self { picture, layers, development, heatmap_max, provenance: origin.provenance(), shown: OnceCell::new() }
     }
 
     /// The picture as a PNG shows it.
@@ -148,18 +150,21 @@ impl Plan {
     pub fn write(&self, results: &Results, target: Target, quiet: bool) -> anyhow::Result<()> {
         for (path, format) in &self.pictures {
             let bytes = match format {
-                Format::Png => png::encode(results.shown())?,
-                Format::Exr => exr::encode(results.picture, Some(results.layers), &self.layers)?,
+                Format::Png => png::encode_described(results.shown(), Some(&results.provenance))?,
+                Format::Exr => {
+                    let (layers, provenance) = (Some(results.layers), Some(&results.provenance));
+                    exr::encode_described(results.picture, layers, &self.layers, provenance)?
+                }
             };
             target.put(path, &bytes)?;
         }
         for (path, layer) in &self.layer_pictures {
-            target.put_explained(path, false_color::draw(results.layers, *layer)?, quiet)?;
+            target.put_explained(path, false_color::draw(results.layers, *layer)?, results, quiet)?;
         }
         if let (Some(path), Some(tests)) = (&self.heatmap, &results.layers.tests) {
             let Picture { width, height, .. } = *results.picture;
             let (picture, scale) = heatmap::draw(width, height, tests, results.heatmap_max);
-            target.put_explained(path, (picture, scale.to_string()), quiet)?;
+            target.put_explained(path, (picture, scale.to_string()), results, quiet)?;
         }
         Ok(())
     }
@@ -193,8 +198,14 @@ pub struct Target<'a> {
 }
 
 impl Target<'_> {
-    fn put_explained(self, path: &Path, (picture, meaning): (Rgb8, String), quiet: bool) -> anyhow::Result<()> {
-        self.put(path, &png::encode(&picture)?)?;
+    fn put_explained(
+        self,
+        path: &Path,
+        (picture, meaning): (Rgb8, String),
+        results: &Results,
+        quiet: bool,
+    ) -> anyhow::Result<()> {
+        self.put(path, &png::encode_described(&picture, Some(&results.provenance))?)?;
         if !quiet {
             say::line(&format!("{}: {meaning}", say::path(path)));
         }

@@ -18,6 +18,7 @@ use crate::limits;
 use crate::options::{RenderOptions, StatsForm};
 use crate::output::{Plan, Results, Target};
 use crate::progress::{Bar, Words};
+use crate::provenance::{digest, Origin};
 use crate::report::{SceneCounts, Seconds, Statistics};
 use crate::say;
 
@@ -114,6 +115,8 @@ pub struct Stage<'a> {
     /// What the options and the scene ask for.
     wishes: RenderDefaults,
     loaded: &'a Loaded,
+    /// Of the scene's files.
+    digest: u128,
     device: Device,
     what: Build,
 }
@@ -129,7 +132,8 @@ impl<'a> Stage<'a> {
         tracer.report().dropped.allow(options.strict)?;
         say_notes(options, loaded, &device, &tracer);
         let camera = viewpoint.adjust(named.unwrap_or(tracer.default_camera()).clone());
-        Ok(Self { options, camera, tracer, wishes, loaded, device, what })
+        let digest = digest(&loaded.files);
+        Ok(Self { options, camera, tracer, wishes, loaded, digest, device, what })
     }
 
     /// Whether the camera's target is a point that somebody chose: a camera of glTF has a direction alone.
@@ -218,8 +222,20 @@ impl Shot<'_> {
 
     /// What the files are made of.
     pub fn results<'a>(&self, taken: &'a Taken, layers: &'a Layers) -> Results<'a> {
-        let (options, development) = (self.stage.options, Development::from(&self.stage.wishes));
-        Results::new(&taken.rendering.picture, layers, development, options.heatmap_max)
+        Results::new(&taken.rendering.picture, layers, &self.origin())
+    }
+
+    /// What the picture is made of.
+    pub fn origin(&self) -> Origin<'_> {
+        Origin {
+            scene: self.stage.options.scene.as_deref(),
+            digest: self.stage.digest,
+            options: self.library_options(false),
+            development: Development::from(&self.stage.wishes),
+            camera: self.camera,
+            layers: self.plan.layers(),
+            heatmap_max: self.stage.options.heatmap_max,
+        }
     }
 
     fn library_options(&self, count_tests: bool) -> render::RenderOptions {

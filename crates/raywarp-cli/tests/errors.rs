@@ -221,9 +221,9 @@ fn impossible_options_are_refused() {
     let place = Place::new();
     place.write("scene.toml", SCENE);
     for (arguments, sentence) in [
-        (&["--spp", "0"] as &[&str], "0 is not in 1..="),
-        (&["--max-depth", "17"], "17 is not in 0..=16"),
-        (&["--max-depth=-1"], "-1 is not in 0..=16"),
+        (&["--spp", "0"] as &[&str], "give a whole number from 1 to 1048576"),
+        (&["--max-depth", "17"], "give a whole number from 0 to 16"),
+        (&["--max-depth=-1"], "give a whole number from 0 to 16"),
         (&["--accel", "octree"], "octree"),
         (&["--device", "tpu"], "give auto, cpu, cuda or cuda:N"),
         (&["--fov", "180"], "from 0.001 to 179 degrees"),
@@ -235,10 +235,10 @@ fn impossible_options_are_refused() {
         (&["--heatmap-max", "5"], "--heatmap <FILE>"),
         (&["--crop", "5,5,5,9"], "it holds no pixels"),
         (&["--crop", "0,0,9,9", "--size", "8x8"], "leaves the picture of 8x8 pixels"),
-        (&["--threads", "0"], "0 is not in 1..=4096"),
+        (&["--threads", "0"], "give a whole number from 1 to 4096"),
         (&["--camera", "side"], "there is no camera 'side'; the scene has 0 'near', 1 'away'"),
         (&["--camera", "2"], "there is no camera '2'"),
-        (&["--eye", "0,0,0", "--target", "0,0,0"], "stands on its own target"),
+        (&["--eye", "0,0,0", "--target", "0,0,0"], "the camera 'near' stands on its own target"),
         (&["--stats=xml"], "[possible values: table, json]"),
         (&["--szie", "8x8"], "a similar argument exists: '--size'"),
     ] {

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use raywarp::image::{png, probe, Format, Layer, Rgb8};
+use raywarp::image::{png, probe, Format, Found, Layer, Rgb8};
 use raywarp::write::{self, Outputs};
 
 use super::names::Template;
@@ -82,34 +82,52 @@ impl FrameFiles {
     }
 }
 
-/// Whether all files of a frame are there and whole, and with `shown` one of them shows its pixels.
+/// What is there of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum There {
+    /// All of it, and whole.
+    All,
+    /// Not every file, or not the whole of each.
+    Part,
+    /// Files that were made of something else.
+    Other,
+}
+
+/// What is there of a frame of this size and fingerprint; with `shown` one file has to show its pixels.
 ///
 /// # Errors
-/// For a picture of another size, or one that cannot be read.
-pub fn are_there(plan: &Plan, size: [u32; 2], shown: bool) -> anyhow::Result<bool> {
+/// For a picture of another size that does not say how it was made: somebody may miss it. And for one that cannot be
+/// read.
+pub fn there(plan: &Plan, size: [u32; 2], fingerprint: &str, shown: bool) -> anyhow::Result<There> {
     let layers = plan.layer_pictures().map(|path| (path, Format::Png));
     let pictures = plan.pictures().iter().map(|(path, format)| (path.as_path(), *format)).chain(layers);
-    let (mut there, mut files) = (true, 0);
+    let mut there = if shown && shown_in(plan).is_none() { There::Part } else { There::All };
+    let mut files = 0;
     for (path, format) in pictures {
         files += 1;
-        let found = probe(path, format).with_context(|| format!("cannot read {}", path.display()))?;
-        if let Some([width, height]) = found {
-            anyhow::ensure!(
-                [width, height] == size,
-                "{} is there, of {width}x{height} pixels instead of {}x{}: render into another place, or give \
-                 --overwrite",
-                path.display(),
-                size[0],
-                size[1]
-            );
-        }
-        there &= found.is_some();
+        there = there.max(file_there(path, format, Some(size), fingerprint)?);
     }
     if let Some(path) = plan.heatmap() {
         files += 1;
-        there &= probe(path, Format::Png).with_context(|| format!("cannot read {}", path.display()))?.is_some();
+        there = there.max(file_there(path, Format::Png, None, fingerprint)?);
     }
-    Ok(there && files > 0 && (!shown || shown_in(plan).is_some()))
+    Ok(if files == 0 { There::Part } else { there })
+}
+
+fn file_there(path: &Path, format: Format, size: Option<[u32; 2]>, fingerprint: &str) -> anyhow::Result<There> {
+    let found = probe(path, format).with_context(|| format!("cannot read {}", path.display()))?;
+    let Some(Found { size: [width, height], fingerprint: made_of }) = found else { return Ok(There::Part) };
+    if let (Some(wanted), None) = (size, &made_of) {
+        anyhow::ensure!(
+            wanted == [width, height],
+            "{} is there, of {width}x{height} pixels instead of {}x{}: render into another place, or give \
+             --overwrite",
+            path.display(),
+            wanted[0],
+            wanted[1]
+        );
+    }
+    Ok(if made_of.as_deref() == Some(fingerprint) { There::All } else { There::Other })
 }
 
 /// The file that holds a frame's pixels.

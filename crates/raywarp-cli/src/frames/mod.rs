@@ -28,7 +28,7 @@ use crate::report::{FrameCounts, Statistics};
 use crate::say;
 
 use animation::Animation;
-use files::FrameFiles;
+use files::{FrameFiles, There};
 use flight::Flight;
 pub use options::FrameOptions;
 use range::Range;
@@ -111,22 +111,28 @@ impl Roll<'_> {
         for (index, frame) in range.frames().enumerate() {
             let before = index as u64 * THOUSAND;
             let plan = self.files.plan(frame)?;
-            if self.is_there(&plan)? {
+            let camera = self.flight.camera(frame);
+            let there = self.there(&plan, &camera)?;
+            if there == There::All {
                 counts.kept += 1;
                 self.show(|| files::read_back(&plan))?;
             } else {
                 let mut update = |share: f64| bar.update(before + (share * THOUSAND as f64) as u64, Some(total));
-                self.take(&plan, &self.flight.camera(frame), counts.rendered == 0, &mut update)?;
+                self.take(&plan, &camera, counts.rendered == 0, &mut update)?;
                 counts.rendered += 1;
+                counts.renewed += u32::from(there == There::Other);
             }
             bar.update(before + THOUSAND, Some(total));
         }
         Ok(counts)
     }
 
-    fn is_there(&self, plan: &Plan) -> anyhow::Result<bool> {
-        let overwrite = self.stage.options.frames.overwrite;
-        Ok(!overwrite && files::are_there(plan, self.statistics.size, self.animation.is_some())?)
+    fn there(&self, plan: &Plan, camera: &Camera) -> anyhow::Result<There> {
+        if self.stage.options.frames.overwrite {
+            return Ok(There::Part);
+        }
+        let made_of = Shot { stage: self.stage, plan, camera }.origin().provenance();
+        files::there(plan, self.statistics.size, &made_of.fingerprint, self.animation.is_some())
     }
 
     fn take(
@@ -178,8 +184,12 @@ fn conclude(
         0 => String::new(),
         kept => format!("; {kept} were there already and are kept, --overwrite renders anew"),
     };
+    let renewed = match counts.renewed {
+        0 => String::new(),
+        renewed => format!("; {renewed} were there of another scene or other options, and are made anew"),
+    };
     say::line(&format!(
-        "{place}{} of {width}x{height} pixels on {} in {} (rendering {}, kernels {}){kept}",
+        "{place}{} of {width}x{height} pixels on {} in {} (rendering {}, kernels {}){kept}{renewed}",
         say::count(counts.rendered, "frame"),
         statistics.device,
         say::seconds(total),
