@@ -1,6 +1,5 @@
 //! The program `raywarp`.
 
-mod ahead;
 mod bench;
 mod columns;
 mod completions;
@@ -18,6 +17,7 @@ mod paper;
 mod progress;
 mod provenance;
 mod query;
+mod read_ahead;
 mod render;
 mod report;
 mod say;

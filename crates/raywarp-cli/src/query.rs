@@ -11,11 +11,11 @@ use raywarp::query::{Batch, Progress, RayCaster};
 use raywarp::write::{self, Outputs};
 use serde::Serialize;
 
-use crate::ahead::Ahead;
 use crate::interrupt::Interrupt;
 use crate::options::QueryOptions;
 use crate::output::Target;
 use crate::progress::{Bar, Words};
+use crate::read_ahead::ReadAhead;
 use crate::render::{limit_threads, read};
 use crate::say;
 
@@ -167,7 +167,7 @@ fn ask(
     let mut bar = Bar::new(options.quiet, Words::Query);
     let mut kernel_seconds = 0.0;
     let expected = reader.rays();
-    let pieces = Ahead::new(reader, PIECE);
+    let pieces = ReadAhead::new(reader, PIECE);
     while let Some(rays) = pieces.next()? {
         let (before, mut piece_seconds) = (answers.rays(), 0.0);
         let mut watch = |progress: Progress| {
