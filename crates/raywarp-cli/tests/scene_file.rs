@@ -77,9 +77,9 @@ fn an_edited_scene_that_was_saved_is_the_picture_of_one_written_by_hand() {
     for (scene, picture) in [("hand.toml", "hand.png"), ("saved.toml", "saved.png"), ("scene.toml", "scene.png")] {
         place.render(&[scene, "-o", picture]).succeeds();
     }
-    let bytes = |name: &str| std::fs::read(place.path(name)).unwrap();
-    assert!(bytes("hand.png") == bytes("saved.png"));
-    assert!(bytes("hand.png") != bytes("scene.png"));
+    let pixels = |name: &str| png(&place.path(name));
+    assert!(pixels("hand.png") == pixels("saved.png"));
+    assert!(pixels("hand.png") != pixels("scene.png"));
     place.run(&["info", "saved.toml"]).succeeds();
 }
 
