@@ -87,7 +87,7 @@ fn a_base_comes_along_whole_and_apart() {
     let scene = scene("base = \"base.toml\"\n");
     assert_eq!((scene.meshes.len(), scene.instances.len(), scene.lights.len(), scene.cameras.len()), (1, 3, 1, 1));
     assert!(scene.background.is_some() && scene.ambient == Some([0.25; 3]));
-    assert_eq!(scene.render.to_string(), "size 64x48, spp 3");
+    assert_eq!(scene.render.to_string(), "size 64x48, samples 3");
     let built_in = self::scene("base = \"built-in\"\n");
     assert_eq!(built_in.cameras, load::builtin().unwrap().scene.cameras);
 }
@@ -102,7 +102,7 @@ fn a_file_adds_to_its_base() {
     assert_eq!(names(&scene.lights, |light| &light.name), ["base's", "own"]);
     assert_eq!(names(&scene.cameras, |camera| &camera.name), ["own", "base's"]);
     assert_eq!((scene.instances.len(), scene.ambient), (4, Some([0.0; 3])));
-    assert_eq!(scene.render.to_string(), "size 64x48, spp 8, tone map filmic");
+    assert_eq!(scene.render.to_string(), "size 64x48, samples 8, tone map filmic");
     // The file's own "red" comes before its base's of that name.
     let own = scene.meshes[1].materials[0] as usize;
     assert_eq!((scene.materials[own].diffuse, scene.materials[0].diffuse), ([0.7; 3], [1.0, 0.0, 0.0]));
