@@ -102,8 +102,8 @@ impl Animation {
         let bytes = spool.metadata().with_context(failed)?.len();
         spool.rewind().with_context(failed)?;
         let _held = target.interrupt.hold();
-        let mut fill = |file: &mut File| io::copy(&mut spool, &mut target.interrupt.stop(file)).map(drop);
-        target.run.with(&self.path, bytes, &mut fill)?;
+        let fill = |file: &mut File| io::copy(&mut spool, &mut target.interrupt.stop(file)).map(drop);
+        target.run.with(&self.path, bytes, fill)?;
         let frames = say::count(self.frames, "frame");
         Ok(format!("{name}: {frames}, {} a second, {}", self.fps, say::bytes(bytes)))
     }

@@ -32,8 +32,8 @@ fn read_phrase(read: &str) -> String {
         return format!("the key {} is missing", quoted(key));
     }
     let words = [("unknown field ", "the unknown key "), ("unknown variant ", "the unknown word ")];
-    let words = words.into_iter().chain([("duplicate field ", "a second key ")]);
-    let named = words.into_iter().find_map(|(from, to)| Some(format!("{to}{}", quoted(read.strip_prefix(from)?))));
+    let mut words = words.into_iter().chain([("duplicate field ", "a second key ")]);
+    let named = words.find_map(|(from, to)| Some(format!("{to}{}", quoted(read.strip_prefix(from)?))));
     named.unwrap_or_else(|| quoted(read))
 }
 
