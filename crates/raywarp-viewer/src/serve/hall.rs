@@ -84,8 +84,10 @@ impl Hall {
         std::mem::take(&mut *lock(&self.arrivals))
     }
 
+    /// Ends the rendering after the picture at hand; clients are told at once.
     pub fn stop(&self) {
         self.stopping.store(true, Ordering::Release);
+        self.end(Ending::of(&Ok(())));
         self.bell.ring();
     }
 
@@ -93,9 +95,13 @@ impl Hall {
         self.stopping.load(Ordering::Acquire)
     }
 
-    /// Tells all clients, and those who come later.
+    /// Tells all clients, and those who come later. What was told first holds.
     pub fn end(&self, ending: Ending) {
-        self.ending.send_replace(Some(ending));
+        self.ending.send_if_modified(|told| {
+            let is_first = told.is_none();
+            told.get_or_insert(ending);
+            is_first
+        });
     }
 
     pub fn ending(&self) -> watch::Receiver<Option<Ending>> {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::extract::Extension;
 use axum::extract::{State, WebSocketUpgrade};
 use axum::http::{header, HeaderMap, Method, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
@@ -13,18 +14,23 @@ use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::{sleep, timeout};
 
 use super::address::is_own;
+use super::connections::{Connection, Connections};
 use super::hall::Hall;
 use super::protocol::MAX_MESSAGE;
 use super::{socket, ServeOptions};
 
-/// Most connections that have not become a client's: requests, and sockets without a greeting.
-const LOBBY: usize = 64;
+/// Most connections that have not become a client's: requests, idle ones, and sockets without a greeting. A browser
+/// opens six; most systems give a process 1024 files.
+const CONNECTIONS: usize = 512;
+/// Longest time without the whole head of a request: for an idle connection, and for one that sends byte by byte.
+const HEAD: Duration = Duration::from_secs(5);
 /// Headers of a request, in bytes.
 const MAX_HEAD: usize = 16 << 10;
+/// What is read of a WebSocket at once, in bytes. Clients write little.
+const READ: usize = 8 << 10;
 
 /// The page's own files and nothing else; no other page may frame it.
 const POLICY: &str =
@@ -51,38 +57,44 @@ const FILES: [(&str, &str, &str); 9] = [
 pub struct House {
     pub hall: Arc<Hall>,
     pub options: ServeOptions,
-    requests: Arc<Semaphore>,
-    lobby: Arc<Semaphore>,
+    connections: Arc<Connections>,
 }
 
 impl House {
     pub fn new(hall: Arc<Hall>, options: ServeOptions) -> Self {
-        Self { hall, options, requests: Arc::new(Semaphore::new(LOBBY)), lobby: Arc::new(Semaphore::new(LOBBY)) }
+        Self { hall, options, connections: Connections::new(CONNECTIONS) }
     }
 }
 
-/// Takes connections for ever. Those beyond the limit wait in the system's queue.
+/// Takes connections for ever, as soon as they come.
 pub async fn listen(listener: TcpListener, house: Arc<House>) {
     let router = Router::new().route("/live", any(live)).fallback(page).with_state(Arc::clone(&house));
     loop {
-        let Ok(permit) = Arc::clone(&house.requests).acquire_owned().await else { return };
         match listener.accept().await {
-            Ok((stream, _)) => {
-                tokio::spawn(answer(stream, router.clone(), house.options.patience.request, permit));
+            Ok((stream, from)) => {
+                let connection = Arc::new(house.connections.enter(from.ip()));
+                let router = router.clone().layer(Extension(Arc::clone(&connection)));
+                tokio::spawn(answer(stream, router, house.options.patience.request, connection));
             }
-            // Too many open files, most likely: some will be closed.
-            Err(_) => sleep(Duration::from_millis(50)).await,
+            // Too many open files, most likely.
+            Err(_) => {
+                house.connections.evict();
+                sleep(Duration::from_millis(10)).await;
+            }
         }
     }
 }
 
-/// Answers the requests of a connection until it becomes a WebSocket or its time is over.
-async fn answer(stream: TcpStream, router: Router, patience: Duration, _permit: OwnedSemaphorePermit) {
+/// Answers the requests of a connection until it becomes a WebSocket, its time is over, or another needs its place.
+async fn answer(stream: TcpStream, router: Router, patience: Duration, connection: Arc<Connection>) {
     let _ = stream.set_nodelay(true);
     let mut builder = http1::Builder::new();
-    builder.timer(TokioTimer::new()).header_read_timeout(patience).max_buf_size(MAX_HEAD);
-    let connection = builder.serve_connection(TokioIo::new(stream), TowerToHyperService::new(router));
-    let _ = timeout(patience, connection.with_upgrades()).await;
+    builder.timer(TokioTimer::new()).header_read_timeout(patience.min(HEAD)).max_buf_size(MAX_HEAD);
+    let requests = builder.serve_connection(TokioIo::new(stream), TowerToHyperService::new(router)).with_upgrades();
+    tokio::select! {
+        _ = timeout(patience, requests) => {}
+        () = connection.evicted() => {}
+    }
 }
 
 /// Refuses what other pages, or this one under a foreign name, ask for.
@@ -96,7 +108,14 @@ fn check(headers: &HeaderMap, house: &House) -> Result<(), Box<Response>> {
     Err(Box::new(reply(StatusCode::FORBIDDEN, PLAIN, sentence)))
 }
 
-async fn page(State(house): State<Arc<House>>, method: Method, uri: Uri, headers: HeaderMap) -> Response {
+async fn page(
+    State(house): State<Arc<House>>,
+    Extension(connection): Extension<Arc<Connection>>,
+    method: Method,
+    uri: Uri,
+    headers: HeaderMap,
+) -> Response {
+    connection.touch();
     if let Err(refusal) = check(&headers, &house) {
         return *refusal;
     }
@@ -111,9 +130,11 @@ async fn page(State(house): State<Arc<House>>, method: Method, uri: Uri, headers
 
 async fn live(
     State(house): State<Arc<House>>,
+    Extension(connection): Extension<Arc<Connection>>,
     headers: HeaderMap,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Response {
+    connection.touch();
     if let Err(refusal) = check(&headers, &house) {
         return *refusal;
     }
@@ -121,11 +142,8 @@ async fn live(
         Ok(upgrade) => upgrade,
         Err(rejection) => return rejection.into_response(),
     };
-    let Ok(permit) = Arc::clone(&house.lobby).try_acquire_owned() else {
-        return reply(StatusCode::SERVICE_UNAVAILABLE, PLAIN, "Too many connections at once. Try again.\n");
-    };
-    let upgrade = upgrade.max_message_size(MAX_MESSAGE).max_frame_size(MAX_MESSAGE);
-    upgrade.on_upgrade(move |socket| socket::serve(socket, house, permit))
+    let upgrade = upgrade.max_message_size(MAX_MESSAGE).max_frame_size(MAX_MESSAGE).read_buffer_size(READ);
+    upgrade.on_upgrade(move |socket| socket::serve(socket, house, connection))
 }
 
 fn reply(status: StatusCode, kind: &'static str, body: &'static str) -> Response {

@@ -7,8 +7,10 @@
 
 mod address;
 mod client;
+mod connections;
 mod encoder;
 mod error;
+mod files;
 mod hall;
 mod http;
 mod inbox;
@@ -36,6 +38,9 @@ pub use token::Token;
 use crate::live::Stage;
 use hall::{Ending, Hall};
 
+/// Longest time that the end waits for clients to have heard of it.
+const PARTING: Duration = Duration::from_millis(100);
+
 /// How to serve.
 #[derive(Clone, Debug)]
 pub struct ServeOptions {
@@ -60,7 +65,7 @@ impl Default for ServeOptions {
 /// How long to wait for clients before they are dropped.
 #[derive(Clone, Copy, Debug)]
 pub struct Patience {
-    /// For a whole HTTP request and its answer.
+    /// For all HTTP requests of a connection; then it is closed.
     pub request: Duration,
     /// For the greeting on a WebSocket.
     pub hello: Duration,
@@ -143,8 +148,8 @@ impl Server {
         runtime.spawn(http::listen(listener, Arc::new(http::House::new(Arc::clone(&hall), options))));
         let done = shielded(|| theatre::run(open(), &hall));
         hall.end(Ending::of(&done));
-        runtime.block_on(hall.wait_until_empty(Duration::from_secs(1)));
-        runtime.shutdown_timeout(Duration::from_millis(200));
+        runtime.block_on(hall.wait_until_empty(PARTING));
+        runtime.shutdown_timeout(PARTING / 2);
         done
     }
 }
@@ -163,7 +168,7 @@ fn shielded(work: impl FnOnce() -> Result<(), ServeError>) -> Result<(), ServeEr
 pub struct Stopper(Arc<Hall>);
 
 impl Stopper {
-    /// Lets the picture that is being rendered finish, tells the clients, and ends.
+    /// Tells the clients, lets the picture that is being rendered finish, and ends.
     pub fn stop(&self) {
         self.0.stop();
     }

@@ -7,9 +7,7 @@ use axum::body::Bytes;
 use tokio::sync::Notify;
 
 use super::hall::lock;
-
-/// Most files that wait.
-const FILES: usize = 2;
+use crate::live::Ticket;
 
 /// Text of which only the latest counts, files, and pictures.
 #[derive(Debug, Default)]
@@ -24,15 +22,16 @@ struct Waiting {
     status: Option<String>,
     panel: Option<String>,
     copy: Option<String>,
-    files: VecDeque<File>,
+    file: Option<File>,
     frames: VecDeque<Frame>,
 }
 
-/// A file and the message that announces it.
+/// A file and the message that announces it. Until it is dropped, the viewer makes no other.
 #[derive(Debug)]
 pub struct File {
     pub head: String,
     pub content: Bytes,
+    pub ticket: Ticket,
 }
 
 /// An encoded picture.
@@ -71,13 +70,9 @@ impl Outbox {
         self.filled.notify_one();
     }
 
-    /// Adds a file, unless others wait that the client has not taken.
+    /// Adds a file: the only one, as a viewer makes no other before it is sent.
     pub fn file(&self, file: File) {
-        let mut waiting = lock(&self.waiting);
-        if waiting.files.len() < FILES {
-            waiting.files.push_back(file);
-        }
-        drop(waiting);
+        lock(&self.waiting).file = Some(file);
         self.filled.notify_one();
     }
 
@@ -112,6 +107,6 @@ impl Waiting {
             return Some(parcel);
         }
         let text = self.status.take().or_else(|| self.panel.take()).or_else(|| self.copy.take());
-        text.map(Parcel::Text).or_else(|| self.files.pop_front().map(Parcel::File))
+        text.map(Parcel::Text).or_else(|| self.file.take().map(Parcel::File))
     }
 }

@@ -14,11 +14,12 @@ use tokio::sync::OwnedSemaphorePermit;
 use tokio::time::{interval, sleep, timeout, Interval};
 
 use super::client::Client;
+use super::connections::Connection;
 use super::hall::{Ending, Hall};
 use super::http::House;
 use super::input::checked;
-use super::outbox::{Frame, Parcel};
-use super::protocol::{close, FromClient, FromServer, VERSION};
+use super::outbox::{File, Frame, Parcel};
+use super::protocol::{close as code, FromClient, FromServer, VERSION};
 
 /// Between two pings.
 const PINGS: Duration = Duration::from_secs(2);
@@ -32,21 +33,25 @@ const REASON: usize = 120;
 type Sink = SplitSink<WebSocket, Message>;
 type Stream = SplitStream<WebSocket>;
 
-/// Serves one client until either side has enough. The permit is for those who have not said hello.
-pub async fn serve(socket: WebSocket, house: Arc<House>, lobby: OwnedSemaphorePermit) {
+/// Serves one client until either side has enough. Until it is greeted, its connection may have to make room.
+pub async fn serve(socket: WebSocket, house: Arc<House>, connection: Arc<Connection>) {
     let (mut sink, mut stream) = socket.split();
-    let end = match greet(&mut sink, &mut stream, &house).await {
+    let greeted = tokio::select! {
+        greeted = greet(&mut sink, &mut stream, &house) => greeted,
+        () = connection.evicted() => return,
+    };
+    match greeted {
         Ok((client, _seat)) => {
-            drop(lobby);
+            drop(connection);
             let end = attend(&mut sink, &mut stream, &client, &house).await;
             client.leave();
             house.hall.bell.ring();
-            end
+            part(sink, stream, end).await;
         }
-        Err(end) => end,
-    };
-    if let Some(ending) = end {
-        let _ = timeout(FAREWELL, part(sink, stream, ending)).await;
+        Err(end) => tokio::select! {
+            () = part(sink, stream, end) => {}
+            () = connection.evicted() => {}
+        },
     }
 }
 
@@ -61,30 +66,30 @@ async fn greet(
     house: &House,
 ) -> Result<(Arc<Client>, OwnedSemaphorePermit), Option<Ending>> {
     let first = timeout(house.options.patience.hello, stream.next()).await;
-    let first = first.map_err(|_| ending(close::SILENT, "no greeting came in time"))?;
+    let first = first.map_err(|_| ending(code::SILENT, "no greeting came in time"))?;
     let text = match first {
         Some(Ok(Message::Text(text))) => text,
-        Some(Ok(_)) => return Err(ending(close::UNREADABLE, "the first message must be a greeting: \"hello\"")),
+        Some(Ok(_)) => return Err(ending(code::UNREADABLE, "the first message must be a greeting: \"hello\"")),
         Some(Err(error)) => return Err(broken(&error)),
         None => return Err(None),
     };
     let Ok(FromClient::Hello { protocol, token, width, height }) = serde_json::from_str(&text) else {
-        return Err(ending(close::UNREADABLE, "the first message must be a greeting: \"hello\""));
+        return Err(ending(code::UNREADABLE, "the first message must be a greeting: \"hello\""));
     };
     if house.options.token.as_ref().is_some_and(|wanted| !wanted.is(&token)) {
         sleep(HESITATION).await;
-        return Err(ending(close::TOKEN, "the token is missing or wrong: open the address that the server printed"));
+        return Err(ending(code::TOKEN, "the token is missing or wrong: open the address that the server printed"));
     }
     let hello = Message::text(FromServer::hello().text());
     if protocol != VERSION {
         let _ = sink.send(hello).await;
         let text =
             format!("this server speaks version {VERSION} of the protocol, the page {protocol}: reload the page");
-        return Err(ending(close::VERSION, text));
+        return Err(ending(code::VERSION, text));
     }
     let full = || {
         let most = house.hall.size();
-        ending(close::FULL, format!("all {most} places are taken: try again later, or serve with more --viewers"))
+        ending(code::FULL, format!("all {most} places are taken: try again later, or serve with more --viewers"))
     };
     let (client, seat) = house.hall.admit([width, height]).ok_or_else(full)?;
     if sink.send(hello).await.is_err() {
@@ -137,7 +142,7 @@ async fn watch(life: &Life, patience: Duration) -> Option<Ending> {
     loop {
         let left = patience.saturating_sub(life.silence());
         if left.is_zero() {
-            return ending(close::SILENT, "nothing was heard from the page");
+            return ending(code::SILENT, "nothing was heard from the page");
         }
         sleep(left).await;
     }
@@ -158,7 +163,7 @@ async fn listen(stream: &mut Stream, client: &Client, hall: &Hall, life: &Life) 
             Err(error) => return broken(&error),
         };
         if let ControlFlow::Break(text) = done {
-            return ending(close::UNREADABLE, text);
+            return ending(code::UNREADABLE, text);
         }
         hall.bell.ring();
     }
@@ -211,12 +216,9 @@ async fn speak(sink: &mut Sink, client: &Client, life: &Life) -> Option<Ending> 
             parcel = client.outbox.next() => parcel,
         };
         let sent = match parcel {
-            Parcel::Failure(text) => return ending(close::FAILED, text),
+            Parcel::Failure(text) => return ending(code::FAILED, text),
             Parcel::Text(text) => sink.send(Message::text(text)).await,
-            Parcel::File(file) => {
-                sink.send(Message::text(file.head)).await.ok()?;
-                sink.send(Message::Binary(file.content)).await
-            }
+            Parcel::File(file) => send_file(sink, file).await,
             Parcel::Frame(frame) if frame.lossless => send_portions(sink, client, frame, &mut pings, life).await,
             Parcel::Frame(frame) => send_whole(sink, client, frame).await,
         };
@@ -226,6 +228,13 @@ async fn speak(sink: &mut Sink, client: &Client, life: &Life) -> Option<Ending> 
 
 async fn ping(sink: &mut Sink, life: &Life) -> Result<(), Error> {
     sink.send(Message::Ping(Bytes::copy_from_slice(&life.now().to_le_bytes()))).await
+}
+
+/// The viewer may make the next one once this one is sent.
+async fn send_file(sink: &mut Sink, file: File) -> Result<(), Error> {
+    let File { head, content, ticket: _until_sent } = file;
+    sink.send(Message::text(head)).await?;
+    sink.send(Message::Binary(content)).await
 }
 
 async fn send_whole(sink: &mut Sink, client: &Client, frame: Frame) -> Result<(), Error> {
@@ -266,12 +275,19 @@ async fn send_portions(
 /// How to part from a client whose messages break the rules of WebSocket.
 fn broken(error: &Error) -> Option<Ending> {
     let text = error.to_string();
-    let code = if text.contains("too long") { close::TOO_LONG } else { close::UNREADABLE };
+    let code = if text.contains("too long") { code::TOO_LONG } else { code::UNREADABLE };
     ending(code, format!("a message cannot be read: {text}"))
 }
 
+/// Says why, if there is somebody to hear it.
+async fn part(sink: Sink, stream: Stream, ending: Option<Ending>) {
+    if let Some(ending) = ending {
+        let _ = timeout(FAREWELL, close(sink, stream, ending)).await;
+    }
+}
+
 /// Says why, closes, and waits for the client to have heard it.
-async fn part(mut sink: Sink, mut stream: Stream, ending: Ending) {
+async fn close(mut sink: Sink, mut stream: Stream, ending: Ending) {
     let end = FromServer::End { text: &ending.text, error: ending.error };
     let _ = sink.feed(Message::text(end.text())).await;
     let mut reason = ending.text;

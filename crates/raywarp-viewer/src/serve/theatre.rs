@@ -2,8 +2,9 @@
 
 use std::time::{Duration, Instant};
 
+use super::files::Files;
 use super::hall::Hall;
-use super::seat::Seat;
+use super::seat::{Seat, Urgency};
 use super::ServeError;
 use crate::live::Stage;
 use crate::ViewerError;
@@ -17,12 +18,16 @@ const SLEEP: Duration = Duration::from_millis(100);
 /// # Errors
 /// [`ServeError`] where the scene cannot be read at first, or the device fails.
 pub fn run(stage: Stage, hall: &Hall) -> Result<(), ServeError> {
-    let mut theatre = Theatre { stage, seats: Vec::new(), opened: Instant::now() };
+    let (files, opened) = (Files::start(), Instant::now());
+    let mut theatre = Theatre { stage, seats: Vec::new(), files, opened, pictures: 0, last: Urgency::Refinement };
     while !hall.is_stopping() {
         theatre.stage.poll();
         theatre.look_at_the_stage()?;
         theatre.seat(hall);
-        if !theatre.turn(hall)? {
+        theatre.take_input();
+        let worked = theatre.work(hall)?;
+        theatre.tell(hall);
+        if !worked {
             hall.bell.wait(if theatre.seats.is_empty() { SLEEP } else { NAP });
         }
     }
@@ -32,7 +37,12 @@ pub fn run(stage: Stage, hall: &Hall) -> Result<(), ServeError> {
 struct Theatre {
     stage: Stage,
     seats: Vec<Seat>,
+    files: Files,
     opened: Instant,
+    /// Pictures made so far: the clock of turns.
+    pictures: u64,
+    /// What the last of them was for.
+    last: Urgency,
 }
 
 impl Theatre {
@@ -47,26 +57,49 @@ impl Theatre {
         self.seats.extend(arrivals.map(Seat::new));
     }
 
-    /// One picture for each client that is ready for one. Whether there was any.
-    fn turn(&mut self, hall: &Hall) -> Result<bool, ServeError> {
-        let (mut worked, viewers) = (false, hall.taken());
-        for index in 0..self.seats.len() {
-            // All input is taken before each picture: what is rendered for one may depend on what another changed.
-            for seat in &mut self.seats {
-                seat.take_input(&mut self.stage);
-            }
-            let is_alone = self.seats.len() == 1;
+    /// All input is taken before each picture: what is rendered for one may depend on what another changed.
+    fn take_input(&mut self) {
+        for seat in &mut self.seats {
+            seat.take_input(&mut self.stage, &self.files);
+        }
+    }
+
+    /// One picture, for whoever needs it most. Whether there was any to make.
+    fn work(&mut self, hall: &Hall) -> Result<bool, ServeError> {
+        let others = self.seats.len() > 1;
+        for index in self.order() {
             let Some(seat) = self.seats.get_mut(index) else { break };
-            worked |= match seat.step(&mut self.stage, self.opened.elapsed()) {
+            let urgency = seat.urgency();
+            self.pictures += 1;
+            let worked = match seat.step(&mut self.stage, self.opened.elapsed(), self.pictures) {
                 // One page too many is not the end for the others.
-                Err(error) if error.is_memory() && !is_alone => seat.refuse(&error),
+                Err(error) if error.is_memory() && others => seat.refuse(&error),
                 done => done?,
             };
-            seat.tell(&self.stage, viewers);
+            if worked {
+                self.last = urgency;
+                return Ok(true);
+            }
             if hall.is_stopping() {
                 break;
             }
         }
-        Ok(worked)
+        Ok(false)
+    }
+
+    /// Those who are due: first who has seen nothing yet; then in turns who moves something and who refines, so that
+    /// neither waits for all of the other; and of each whose last picture is oldest.
+    fn order(&self) -> Vec<usize> {
+        let mut due: Vec<_> = (0..self.seats.len()).filter(|&index| self.seats[index].is_due(&self.stage)).collect();
+        due.sort_by_key(|&index| {
+            let seat = &self.seats[index];
+            (seat.turn() > 0, seat.urgency() == self.last, seat.turn())
+        });
+        due
+    }
+
+    fn tell(&mut self, hall: &Hall) {
+        let viewers = hall.taken();
+        self.seats.iter_mut().for_each(|seat| seat.tell(&self.stage, viewers));
     }
 }

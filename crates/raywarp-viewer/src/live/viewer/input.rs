@@ -1,9 +1,8 @@
 //! What events do: to the camera, the options, the scene.
 
-use raywarp::image::{png, Rgb8};
-
 use super::{Lacks, Viewer, MOST};
 use crate::live::edits::Touched;
+use crate::live::export::{Content, Export, Ticket};
 use crate::live::keys::{self, Action};
 use crate::live::look::Changed;
 use crate::live::panel_rows::{Desk, Effect};
@@ -198,20 +197,31 @@ impl Viewer {
 
     fn screenshot(&mut self) -> Option<Outcome> {
         let picture = self.shelf.shown()?;
-        let pixels = picture.rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect();
-        let [width, height] = picture.size;
-        match png::encode(&Rgb8 { width, height, pixels }) {
-            Ok(content) => Some(Outcome::File { name: "raywarp.png".to_owned(), content, media_type: "image/png" }),
-            Err(error) => (self.refuse(error), None).1,
-        }
+        let ticket = self.ticket()?;
+        let content = Content::Picture(picture);
+        Some(Outcome::File(Export { name: "raywarp.png".to_owned(), media_type: "image/png", content, ticket }))
     }
 
     fn save(&mut self, stage: &Stage) -> Option<Outcome> {
         let (ready, camera) = (stage.ready()?, self.camera()?.clone());
-        match super::save::scene_file(stage, ready, &self.look, camera, self.size) {
-            Ok(outcome) => Some(outcome),
-            Err(error) => (self.refuse(error), None).1,
+        let ticket = self.ticket()?;
+        Some(Outcome::File(super::save::scene_file(stage, ready, &self.look, camera, self.size, ticket)))
+    }
+
+    /// For the next file, if none is on its way.
+    fn ticket(&mut self) -> Option<Ticket> {
+        if self.exported.strong_count() > 0 {
+            self.refuse("the last file is still on its way: ask again once it is there");
+            return None;
         }
+        let (ticket, watched) = Ticket::new();
+        self.exported = watched;
+        Some(ticket)
+    }
+
+    /// Tells that a file could not be made.
+    pub fn export_failed(&mut self, why: impl ToString) {
+        self.refuse(why);
     }
 
     /// Tells why something was not done.

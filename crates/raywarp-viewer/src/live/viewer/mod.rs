@@ -5,6 +5,7 @@ mod rendering;
 mod save;
 mod shelf;
 
+use std::sync::Weak;
 use std::time::Duration;
 
 use raywarp::accel::TreeBox;
@@ -70,6 +71,8 @@ pub struct Viewer {
     meter: Meter,
     legend: Option<Legend>,
     notice: Option<Notice>,
+    /// Of the last file that was asked for.
+    exported: Weak<()>,
     /// Notices of the stage that were there when something was done after them.
     read: u64,
 }
@@ -113,6 +116,7 @@ impl Viewer {
             meter: Meter::default(),
             legend: None,
             notice: None,
+            exported: Weak::new(),
             read: 0,
         }
     }

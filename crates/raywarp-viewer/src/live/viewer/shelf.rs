@@ -21,8 +21,8 @@ pub(super) struct Shelf {
 
 impl Shelf {
     /// The last picture.
-    pub fn shown(&self) -> Option<&Picture> {
-        self.shown.as_deref()
+    pub fn shown(&self) -> Option<Arc<Picture>> {
+        self.shown.clone()
     }
 
     /// Takes the next one.
