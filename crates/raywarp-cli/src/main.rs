@@ -31,7 +31,11 @@ use clap::Parser;
 use options::{Command, Options, RenderOptions};
 
 fn main() -> ExitCode {
-    let done = match Options::parse().command {
+    let options = match Options::try_parse() {
+        Ok(options) => options,
+        Err(error) => return failure::of_options(&error),
+    };
+    let done = match options.command {
         None => render::run(&RenderOptions::built_in()),
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::View(options)) => view::run(&options),

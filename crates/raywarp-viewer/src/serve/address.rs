@@ -58,7 +58,7 @@ pub fn url(at: SocketAddr, token: Option<&Token>) -> String {
         ip if ip.is_unspecified() => format!("{}:{port}", machine()),
         _ => at.to_string(),
     };
-    let secret = token.map_or(String::new(), |token| format!("#token={}", token.text()));
+    let secret = token.map_or(String::new(), |token| format!("#token={}", token.encoded()));
     format!("http://{place}/{secret}")
 }
 

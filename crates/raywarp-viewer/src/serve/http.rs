@@ -20,13 +20,8 @@ use super::address::is_own;
 use super::connections::{Connection, Connections};
 use super::hall::Hall;
 use super::protocol::MAX_MESSAGE;
-use super::{socket, ServeOptions};
+use super::{socket, Patience, ServeOptions};
 
-/// Most connections that have not become a client's: requests, idle ones, and sockets without a greeting. A browser
-/// opens six; most systems give a process 1024 files.
-const CONNECTIONS: usize = 512;
-/// Longest time without the whole head of a request: for an idle connection, and for one that sends byte by byte.
-const HEAD: Duration = Duration::from_secs(5);
 /// Headers of a request, in bytes.
 const MAX_HEAD: usize = 16 << 10;
 /// What is read of a WebSocket at once, in bytes. Clients write little.
@@ -40,7 +35,7 @@ const PLAIN: &str = "text/plain; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
 /// The page: path, media type, content.
-const FILES: [(&str, &str, &str); 9] = [
+const FILES: [(&str, &str, &str); 10] = [
     ("/", "text/html; charset=utf-8", include_str!("page/index.html")),
     ("/style.css", "text/css; charset=utf-8", include_str!("page/style.css")),
     ("/viewer.js", SCRIPT, include_str!("page/viewer.js")),
@@ -48,6 +43,7 @@ const FILES: [(&str, &str, &str); 9] = [
     ("/link.js", SCRIPT, include_str!("page/link.js")),
     ("/panel.js", SCRIPT, include_str!("page/panel.js")),
     ("/picture.js", SCRIPT, include_str!("page/picture.js")),
+    ("/secret.js", SCRIPT, include_str!("page/secret.js")),
     ("/stats.js", SCRIPT, include_str!("page/stats.js")),
     ("/words.js", SCRIPT, include_str!("page/words.js")),
 ];
@@ -62,7 +58,8 @@ pub struct House {
 
 impl House {
     pub fn new(hall: Arc<Hall>, options: ServeOptions) -> Self {
-        Self { hall, options, connections: Connections::new(CONNECTIONS) }
+        let connections = Connections::new(options.connections);
+        Self { hall, options, connections }
     }
 }
 
@@ -74,7 +71,7 @@ pub async fn listen(listener: TcpListener, house: Arc<House>) {
             Ok((stream, from)) => {
                 let connection = Arc::new(house.connections.enter(from.ip()));
                 let router = router.clone().layer(Extension(Arc::clone(&connection)));
-                tokio::spawn(answer(stream, router, house.options.patience.request, connection));
+                tokio::spawn(answer(stream, router, house.options.patience, connection));
             }
             // Too many open files, most likely.
             Err(_) => {
@@ -86,13 +83,13 @@ pub async fn listen(listener: TcpListener, house: Arc<House>) {
 }
 
 /// Answers the requests of a connection until it becomes a WebSocket, its time is over, or another needs its place.
-async fn answer(stream: TcpStream, router: Router, patience: Duration, connection: Arc<Connection>) {
+async fn answer(stream: TcpStream, router: Router, patience: Patience, connection: Arc<Connection>) {
     let _ = stream.set_nodelay(true);
     let mut builder = http1::Builder::new();
-    builder.timer(TokioTimer::new()).header_read_timeout(patience.min(HEAD)).max_buf_size(MAX_HEAD);
+    builder.timer(TokioTimer::new()).header_read_timeout(patience.head).max_buf_size(MAX_HEAD);
     let requests = builder.serve_connection(TokioIo::new(stream), TowerToHyperService::new(router)).with_upgrades();
     tokio::select! {
-        _ = timeout(patience, requests) => {}
+        _ = timeout(patience.request, requests) => {}
         () = connection.evicted() => {}
     }
 }

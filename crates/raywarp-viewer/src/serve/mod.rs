@@ -52,19 +52,26 @@ pub struct ServeOptions {
     pub token: Option<Token>,
     /// Most clients at a time, at least 1.
     pub viewers: usize,
+    /// Most connections that have not become a client's: requests, idle ones, and sockets without a greeting, at least 1.
+    /// One more closes another. A browser opens six.
+    pub connections: usize,
     /// How long to wait for clients.
     pub patience: Patience,
 }
 
 impl Default for ServeOptions {
     fn default() -> Self {
-        Self { host: "127.0.0.1".to_owned(), port: 8787, token: None, viewers: 8, patience: Patience::default() }
+        let (host, patience) = ("127.0.0.1".to_owned(), Patience::default());
+        // Most systems give a process 1024 files.
+        Self { host, port: 8787, token: None, viewers: 64, connections: 512, patience }
     }
 }
 
 /// How long to wait for clients before they are dropped.
 #[derive(Clone, Copy, Debug)]
 pub struct Patience {
+    /// For the head of a request, the wait for its first byte included.
+    pub head: Duration,
     /// For all HTTP requests of a connection; then it is closed.
     pub request: Duration,
     /// For the greeting on a WebSocket.
@@ -76,7 +83,7 @@ pub struct Patience {
 impl Default for Patience {
     fn default() -> Self {
         let seconds = Duration::from_secs;
-        Self { request: seconds(20), hello: seconds(5), silence: seconds(15) }
+        Self { head: seconds(5), request: seconds(20), hello: seconds(5), silence: seconds(15) }
     }
 }
 

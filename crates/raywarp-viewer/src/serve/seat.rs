@@ -39,8 +39,8 @@ pub struct Seat {
     mark: u32,
     frame: u32,
     begun: Option<Instant>,
-    /// When the last picture was made, in pictures of all clients; 0 before the first.
-    turn: u64,
+    /// Time of the render thread that its pictures took.
+    had: Duration,
     /// The last picture if it was settled and has not been sent without loss.
     owed: Option<Arc<Picture>>,
     told: Told,
@@ -83,7 +83,7 @@ impl Seat {
             mark: 0,
             frame: 0,
             begun: None,
-            turn: 0,
+            had: Duration::ZERO,
             owed: None,
             told: Told::default(),
         }
@@ -161,17 +161,24 @@ impl Seat {
         }
     }
 
-    /// When it was last served, in pictures; 0 before the first.
-    pub fn turn(&self) -> u64 {
-        self.turn
+    /// Whether there has been a picture.
+    pub fn has_shown(&self) -> bool {
+        self.frame > 0
+    }
+
+    /// Time of the render thread that it has had, at least as much as is said: what was not used is not saved up.
+    pub fn had(&self, least: Duration) -> Duration {
+        self.had.max(least)
+    }
+
+    pub fn charge(&mut self, had: Duration) {
+        self.had = had;
     }
 
     /// Makes a picture, or sends the last one without loss. Whether anything was done.
-    pub fn step(&mut self, stage: &mut Stage, now: Duration, turn: u64) -> Result<bool, ViewerError> {
+    pub fn step(&mut self, stage: &mut Stage, now: Duration) -> Result<bool, ViewerError> {
         let worked = if self.viewer.wants_frame(stage) { self.render(stage, now)? } else { self.send_lossless() };
-        if worked {
-            (self.turn, self.told.stale) = (turn, true);
-        }
+        self.told.stale |= worked;
         Ok(worked)
     }
 

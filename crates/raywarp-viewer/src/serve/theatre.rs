@@ -13,13 +13,17 @@ use crate::ViewerError;
 const NAP: Duration = Duration::from_millis(25);
 const SLEEP: Duration = Duration::from_millis(100);
 
+/// Time that who asked for little lately may be ahead of the others.
+const CREDIT: Duration = Duration::from_millis(250);
+
 /// Shows the stage to whoever comes, until the server is stopped.
 ///
 /// # Errors
 /// [`ServeError`] where the scene cannot be read at first, or the device fails.
 pub fn run(stage: Stage, hall: &Hall) -> Result<(), ServeError> {
     let (files, opened) = (Files::start(), Instant::now());
-    let mut theatre = Theatre { stage, seats: Vec::new(), files, opened, pictures: 0, last: Urgency::Refinement };
+    let mut theatre =
+        Theatre { stage, seats: Vec::new(), files, opened, level: Duration::ZERO, last: Urgency::Refinement };
     while !hall.is_stopping() {
         theatre.stage.poll();
         theatre.look_at_the_stage()?;
@@ -39,8 +43,8 @@ struct Theatre {
     seats: Vec<Seat>,
     files: Files,
     opened: Instant,
-    /// Pictures made so far: the clock of turns.
-    pictures: u64,
+    /// Time that each client has had of the render thread, about: that of the last one served.
+    level: Duration,
     /// What the last of them was for.
     last: Urgency,
 }
@@ -69,15 +73,15 @@ impl Theatre {
         let others = self.seats.len() > 1;
         for index in self.order() {
             let Some(seat) = self.seats.get_mut(index) else { break };
-            let urgency = seat.urgency();
-            self.pictures += 1;
-            let worked = match seat.step(&mut self.stage, self.opened.elapsed(), self.pictures) {
+            let (urgency, had, start) = (seat.urgency(), seat.had(self.level.saturating_sub(CREDIT)), Instant::now());
+            let worked = match seat.step(&mut self.stage, self.opened.elapsed()) {
                 // One page too many is not the end for the others.
                 Err(error) if error.is_memory() && others => seat.refuse(&error),
                 done => done?,
             };
             if worked {
-                self.last = urgency;
+                seat.charge(had + start.elapsed());
+                (self.last, self.level) = (urgency, self.level.max(had));
                 return Ok(true);
             }
             if hall.is_stopping() {
@@ -88,12 +92,14 @@ impl Theatre {
     }
 
     /// Those who are due: first who has seen nothing yet; then in turns who moves something and who refines, so that
-    /// neither waits for all of the other; and of each whose last picture is oldest.
+    /// neither waits for all of the other; and of each who has had least time, so that a large picture of one does not
+    /// count as a small one of another.
     fn order(&self) -> Vec<usize> {
         let mut due: Vec<_> = (0..self.seats.len()).filter(|&index| self.seats[index].is_due(&self.stage)).collect();
+        let least = self.level.saturating_sub(CREDIT);
         due.sort_by_key(|&index| {
             let seat = &self.seats[index];
-            (seat.turn() > 0, seat.urgency() == self.last, seat.turn())
+            (seat.has_shown(), seat.urgency() == self.last, seat.had(least))
         });
         due
     }
