@@ -115,7 +115,7 @@ impl Session {
     }
 
     fn set(&mut self, id: &str, value: Value) {
-        assert_eq!(self.handle(Event::Set { id: id.to_owned(), value }), []);
+        assert!(self.handle(Event::Set { id: id.to_owned(), value }).is_empty());
     }
 
     fn reset(&mut self, id: &str) {

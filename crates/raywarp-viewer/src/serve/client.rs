@@ -7,11 +7,11 @@ use std::time::Duration;
 use tokio::sync::Notify;
 
 use super::encoder::Encoder;
-use super::hall::lock;
 use super::inbox::{Inbox, Taken};
 use super::outbox::Outbox;
 use super::pace::Pace;
 use super::quality::{Quality, Setting};
+use super::registry::lock;
 use crate::live::Event;
 
 /// What the two sides share. Nothing in it grows: input waits for room, and of output only the latest is kept.

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 
 use tokio::sync::watch;
 
-use super::hall::lock;
+use super::registry::lock;
 
 /// All of them.
 #[derive(Debug)]

@@ -18,8 +18,8 @@ use tokio::time::{sleep, timeout};
 
 use super::address::is_own;
 use super::connections::{Connection, Connections};
-use super::hall::Hall;
 use super::protocol::MAX_MESSAGE;
+use super::registry::ClientRegistry;
 use super::{socket, Patience, ServeOptions};
 
 /// Headers of a request, in bytes.
@@ -50,32 +50,32 @@ const FILES: [(&str, &str, &str); 10] = [
 
 /// What every request needs.
 #[derive(Debug)]
-pub struct House {
-    pub hall: Arc<Hall>,
+pub struct AppState {
+    pub registry: Arc<ClientRegistry>,
     pub options: ServeOptions,
     connections: Arc<Connections>,
 }
 
-impl House {
-    pub fn new(hall: Arc<Hall>, options: ServeOptions) -> Self {
+impl AppState {
+    pub fn new(registry: Arc<ClientRegistry>, options: ServeOptions) -> Self {
         let connections = Connections::new(options.connections);
-        Self { hall, options, connections }
+        Self { registry, options, connections }
     }
 }
 
 /// Takes connections for ever, as soon as they come.
-pub async fn listen(listener: TcpListener, house: Arc<House>) {
-    let router = Router::new().route("/live", any(live)).fallback(page).with_state(Arc::clone(&house));
+pub async fn listen(listener: TcpListener, state: Arc<AppState>) {
+    let router = Router::new().route("/live", any(live)).fallback(page).with_state(Arc::clone(&state));
     loop {
         match listener.accept().await {
             Ok((stream, from)) => {
-                let connection = Arc::new(house.connections.enter(from.ip()));
+                let connection = Arc::new(state.connections.enter(from.ip()));
                 let router = router.clone().layer(Extension(Arc::clone(&connection)));
-                tokio::spawn(answer(stream, router, house.options.patience, connection));
+                tokio::spawn(answer(stream, router, state.options.patience, connection));
             }
             // Too many open files, most likely.
             Err(_) => {
-                house.connections.evict();
+                state.connections.evict();
                 sleep(Duration::from_millis(10)).await;
             }
         }
@@ -95,9 +95,9 @@ async fn answer(stream: TcpStream, router: Router, patience: Patience, connectio
 }
 
 /// Refuses what other pages, or this one under a foreign name, ask for.
-fn check(headers: &HeaderMap, house: &House) -> Result<(), Box<Response>> {
+fn check(headers: &HeaderMap, state: &AppState) -> Result<(), Box<Response>> {
     let text = |name| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
-    if is_own(text(header::HOST), text(header::ORIGIN), house.options.token.is_some()) {
+    if is_own(text(header::HOST), text(header::ORIGIN), state.options.token.is_some()) {
         return Ok(());
     }
     let sentence = "This request comes from another page, or under a name that is not this server's. Open the address \
@@ -106,14 +106,14 @@ fn check(headers: &HeaderMap, house: &House) -> Result<(), Box<Response>> {
 }
 
 async fn page(
-    State(house): State<Arc<House>>,
+    State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Arc<Connection>>,
     method: Method,
     uri: Uri,
     headers: HeaderMap,
 ) -> Response {
     connection.touch();
-    if let Err(refusal) = check(&headers, &house) {
+    if let Err(refusal) = check(&headers, &state) {
         return *refusal;
     }
     if method != Method::GET && method != Method::HEAD {
@@ -126,13 +126,13 @@ async fn page(
 }
 
 async fn live(
-    State(house): State<Arc<House>>,
+    State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Arc<Connection>>,
     headers: HeaderMap,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Response {
     connection.touch();
-    if let Err(refusal) = check(&headers, &house) {
+    if let Err(refusal) = check(&headers, &state) {
         return *refusal;
     }
     let upgrade = match upgrade {
@@ -140,7 +140,7 @@ async fn live(
         Err(rejection) => return rejection.into_response(),
     };
     let upgrade = upgrade.max_message_size(MAX_MESSAGE).max_frame_size(MAX_MESSAGE).read_buffer_size(READ);
-    upgrade.on_upgrade(move |socket| socket::serve(socket, house, connection))
+    upgrade.on_upgrade(move |socket| socket::serve(socket, state, connection))
 }
 
 fn reply(status: StatusCode, kind: &'static str, body: &'static str) -> Response {

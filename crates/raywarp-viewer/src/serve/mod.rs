@@ -1,6 +1,6 @@
 //! The viewer in a browser: a server for one scene, with its page inside.
 //!
-//! One thread, the `theatre`, owns the [`Stage`] and renders for every client in turn. Each client has a task for its
+//! One thread, the `render_thread`, owns the [`Stage`] and renders for every client in turn. Each client has a task for its
 //! WebSocket, and the two meet in a `client`: input one way, pictures and state the other, neither ever more than a
 //! few items. Pictures are cut in `stripes` and encoded beside the render thread. `protocol` says what goes over the
 //! wire; the page is its other side.
@@ -11,7 +11,6 @@ mod connections;
 mod encoder;
 mod error;
 mod files;
-mod hall;
 mod http;
 mod inbox;
 mod input;
@@ -19,10 +18,11 @@ mod outbox;
 mod pace;
 mod protocol;
 mod quality;
-mod seat;
+mod registry;
+mod render_thread;
+mod session;
 mod socket;
 mod stripes;
-mod theatre;
 mod token;
 
 use std::net::{SocketAddr, TcpListener};
@@ -36,7 +36,7 @@ pub use stripes::{messages, Coding, StripeError};
 pub use token::Token;
 
 use crate::live::Stage;
-use hall::{Ending, Hall};
+use registry::{ClientRegistry, Ending};
 
 /// Longest time that the end waits for clients to have heard of it.
 const PARTING: Duration = Duration::from_millis(100);
@@ -93,7 +93,7 @@ pub struct Server {
     listener: TcpListener,
     at: SocketAddr,
     options: ServeOptions,
-    hall: Arc<Hall>,
+    registry: Arc<ClientRegistry>,
 }
 
 impl Server {
@@ -106,8 +106,8 @@ impl Server {
         if options.token.is_none() && !at.ip().is_loopback() {
             options.token = Some(Token::random()?);
         }
-        let hall = Arc::new(Hall::new(options.viewers.max(1)));
-        Ok(Self { listener, at, options, hall })
+        let registry = Arc::new(ClientRegistry::new(options.viewers.max(1)));
+        Ok(Self { listener, at, options, registry })
     }
 
     /// Where it listens.
@@ -132,7 +132,7 @@ impl Server {
 
     /// Something that ends [`run`](Self::run) from any thread.
     pub fn stopper(&self) -> Stopper {
-        Stopper(Arc::clone(&self.hall))
+        Stopper(Arc::clone(&self.registry))
     }
 
     /// Serves until it is stopped or something fails. The stage is opened on this thread and stays on it; clients are
@@ -151,11 +151,11 @@ impl Server {
             let _inside = runtime.enter();
             tokio::net::TcpListener::from_std(self.listener).map_err(ServeError::Threads)?
         };
-        let Self { hall, options, .. } = self;
-        runtime.spawn(http::listen(listener, Arc::new(http::House::new(Arc::clone(&hall), options))));
-        let done = shielded(|| theatre::run(open(), &hall));
-        hall.end(Ending::of(&done));
-        runtime.block_on(hall.wait_until_empty(PARTING));
+        let Self { registry, options, .. } = self;
+        runtime.spawn(http::listen(listener, Arc::new(http::AppState::new(Arc::clone(&registry), options))));
+        let done = shielded(|| render_thread::run(open(), &registry));
+        registry.end(Ending::of(&done));
+        runtime.block_on(registry.wait_until_empty(PARTING));
         runtime.shutdown_timeout(PARTING / 2);
         done
     }
@@ -172,7 +172,7 @@ fn shielded(work: impl FnOnce() -> Result<(), ServeError>) -> Result<(), ServeEr
 
 /// Ends a server.
 #[derive(Clone, Debug)]
-pub struct Stopper(Arc<Hall>);
+pub struct Stopper(Arc<ClientRegistry>);
 
 impl Stopper {
     /// Tells the clients, lets the picture that is being rendered finish, and ends.

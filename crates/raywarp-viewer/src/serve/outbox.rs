@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use axum::body::Bytes;
 use tokio::sync::Notify;
 
-use super::hall::lock;
+use super::registry::lock;
 use crate::live::Ticket;
 
 /// Text of which only the latest counts, files, and pictures.
@@ -46,7 +46,7 @@ pub struct Frame {
 
 /// The next thing to send.
 #[derive(Debug)]
-pub enum Parcel {
+pub enum Outgoing {
     /// The last one: why there is nothing more.
     Failure(String),
     Text(String),
@@ -89,10 +89,10 @@ impl Outbox {
     }
 
     /// The next thing, as soon as there is one: pictures first, as they age fastest.
-    pub async fn next(&self) -> Parcel {
+    pub async fn next(&self) -> Outgoing {
         loop {
-            if let Some(parcel) = lock(&self.waiting).take() {
-                return parcel;
+            if let Some(message) = lock(&self.waiting).take() {
+                return message;
             }
             self.filled.notified().await;
         }
@@ -100,13 +100,13 @@ impl Outbox {
 }
 
 impl Waiting {
-    fn take(&mut self) -> Option<Parcel> {
-        let failure = self.failure.take().map(Parcel::Failure);
-        let frame = || self.frames.pop_front().map(Parcel::Frame);
-        if let Some(parcel) = failure.or_else(frame) {
-            return Some(parcel);
+    fn take(&mut self) -> Option<Outgoing> {
+        let failure = self.failure.take().map(Outgoing::Failure);
+        let frame = || self.frames.pop_front().map(Outgoing::Frame);
+        if let Some(message) = failure.or_else(frame) {
+            return Some(message);
         }
         let text = self.status.take().or_else(|| self.panel.take()).or_else(|| self.copy.take());
-        text.map(Parcel::Text).or_else(|| self.file.take().map(Parcel::File))
+        text.map(Outgoing::Text).or_else(|| self.file.take().map(Outgoing::File))
     }
 }

@@ -10,16 +10,15 @@ use axum::extract::ws::{CloseFrame, Message, WebSocket};
 use axum::Error;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
-use tokio::sync::OwnedSemaphorePermit;
 use tokio::time::{interval, sleep, timeout, Interval};
 
 use super::client::Client;
 use super::connections::Connection;
-use super::hall::{Ending, Hall};
-use super::http::House;
+use super::http::AppState;
 use super::input::checked;
-use super::outbox::{File, Frame, Parcel};
+use super::outbox::{File, Frame, Outgoing};
 use super::protocol::{close as code, FromClient, FromServer, VERSION};
+use super::registry::{Admission, ClientRegistry, Ending};
 
 /// Between two pings.
 const PINGS: Duration = Duration::from_secs(2);
@@ -34,18 +33,18 @@ type Sink = SplitSink<WebSocket, Message>;
 type Stream = SplitStream<WebSocket>;
 
 /// Serves one client until either side has enough. Until it is greeted, its connection may have to make room.
-pub async fn serve(socket: WebSocket, house: Arc<House>, connection: Arc<Connection>) {
+pub async fn serve(socket: WebSocket, state: Arc<AppState>, connection: Arc<Connection>) {
     let (mut sink, mut stream) = socket.split();
     let greeted = tokio::select! {
-        greeted = greet(&mut sink, &mut stream, &house) => greeted,
+        greeted = greet(&mut sink, &mut stream, &state) => greeted,
         () = connection.evicted() => return,
     };
     match greeted {
-        Ok((client, _seat)) => {
+        Ok(admission) => {
             drop(connection);
-            let end = attend(&mut sink, &mut stream, &client, &house).await;
-            client.leave();
-            house.hall.bell.ring();
+            let end = attend(&mut sink, &mut stream, &admission.client, &state).await;
+            admission.client.leave();
+            state.registry.waker.wake();
             part(sink, stream, end).await;
         }
         Err(end) => tokio::select! {
@@ -60,12 +59,8 @@ fn ending(code: u16, text: impl Into<String>) -> Option<Ending> {
 }
 
 /// Hears the client's greeting and answers it. Without one, how to part.
-async fn greet(
-    sink: &mut Sink,
-    stream: &mut Stream,
-    house: &House,
-) -> Result<(Arc<Client>, OwnedSemaphorePermit), Option<Ending>> {
-    let first = timeout(house.options.patience.hello, stream.next()).await;
+async fn greet(sink: &mut Sink, stream: &mut Stream, state: &AppState) -> Result<Admission, Option<Ending>> {
+    let first = timeout(state.options.patience.hello, stream.next()).await;
     let first = first.map_err(|_| ending(code::SILENT, "no greeting came in time"))?;
     let text = match first {
         Some(Ok(Message::Text(text))) => text,
@@ -76,7 +71,7 @@ async fn greet(
     let Ok(FromClient::Hello { protocol, token, width, height }) = serde_json::from_str(&text) else {
         return Err(ending(code::UNREADABLE, "the first message must be a greeting: \"hello\""));
     };
-    if house.options.token.as_ref().is_some_and(|wanted| !wanted.is(&token)) {
+    if state.options.token.as_ref().is_some_and(|wanted| !wanted.is(&token)) {
         sleep(HESITATION).await;
         return Err(ending(code::TOKEN, "the token is missing or wrong: open the address that the server printed"));
     }
@@ -88,25 +83,24 @@ async fn greet(
         return Err(ending(code::VERSION, text));
     }
     let full = || {
-        let most = house.hall.size();
+        let most = state.registry.size();
         ending(code::FULL, format!("all {most} places are taken: try again later, or serve with more --viewers"))
     };
-    let (client, seat) = house.hall.admit([width, height]).ok_or_else(full)?;
+    let admission = state.registry.admit([width, height]).ok_or_else(full)?;
     if sink.send(hello).await.is_err() {
-        client.leave();
         return Err(None);
     }
-    Ok((client, seat))
+    Ok(admission)
 }
 
 /// Both directions at once, until one ends; and how to part, if the client is still there to hear it.
-async fn attend(sink: &mut Sink, stream: &mut Stream, client: &Client, house: &House) -> Option<Ending> {
-    let mut told = house.hall.ending();
+async fn attend(sink: &mut Sink, stream: &mut Stream, client: &Client, state: &AppState) -> Option<Ending> {
+    let mut told = state.registry.ending();
     let life = Life::default();
     tokio::select! {
-        end = listen(stream, client, &house.hall, &life) => end,
+        end = listen(stream, client, &state.registry, &life) => end,
         end = speak(sink, client, &life) => end,
-        end = watch(&life, house.options.patience.silence) => end,
+        end = watch(&life, state.options.patience.silence) => end,
         end = told.wait_for(Option::is_some) => end.ok().and_then(|end| end.clone()),
     }
 }
@@ -148,7 +142,7 @@ async fn watch(life: &Life, patience: Duration) -> Option<Ending> {
     }
 }
 
-async fn listen(stream: &mut Stream, client: &Client, hall: &Hall, life: &Life) -> Option<Ending> {
+async fn listen(stream: &mut Stream, client: &Client, registry: &ClientRegistry, life: &Life) -> Option<Ending> {
     while let Some(message) = stream.next().await {
         life.sign();
         let done = match message {
@@ -165,7 +159,7 @@ async fn listen(stream: &mut Stream, client: &Client, hall: &Hall, life: &Life) 
         if let ControlFlow::Break(text) = done {
             return ending(code::UNREADABLE, text);
         }
-        hall.bell.ring();
+        registry.waker.wake();
     }
     None
 }
@@ -207,20 +201,20 @@ fn pong(time: &Bytes, client: &Client, life: &Life) {
 async fn speak(sink: &mut Sink, client: &Client, life: &Life) -> Option<Ending> {
     let mut pings = interval(PINGS);
     loop {
-        let parcel = tokio::select! {
+        let message = tokio::select! {
             biased;
             _ = pings.tick() => {
                 ping(sink, life).await.ok()?;
                 continue;
             }
-            parcel = client.outbox.next() => parcel,
+            message = client.outbox.next() => message,
         };
-        let sent = match parcel {
-            Parcel::Failure(text) => return ending(code::FAILED, text),
-            Parcel::Text(text) => sink.send(Message::text(text)).await,
-            Parcel::File(file) => send_file(sink, file).await,
-            Parcel::Frame(frame) if frame.lossless => send_portions(sink, client, frame, &mut pings, life).await,
-            Parcel::Frame(frame) => send_whole(sink, client, frame).await,
+        let sent = match message {
+            Outgoing::Failure(text) => return ending(code::FAILED, text),
+            Outgoing::Text(text) => sink.send(Message::text(text)).await,
+            Outgoing::File(file) => send_file(sink, file).await,
+            Outgoing::Frame(frame) if frame.lossless => send_portions(sink, client, frame, &mut pings, life).await,
+            Outgoing::Frame(frame) => send_whole(sink, client, frame).await,
         };
         sent.ok()?;
     }

@@ -29,8 +29,8 @@ pub enum Urgency {
     Refinement,
 }
 
-/// A client's place.
-pub struct Seat {
+/// What the render thread knows of one client.
+pub struct Session {
     client: Arc<Client>,
     viewer: Viewer,
     size: Size,
@@ -72,7 +72,7 @@ struct News {
     viewers: usize,
 }
 
-impl Seat {
+impl Session {
     pub fn new(client: Arc<Client>) -> Self {
         let size = size_within_limits(client.size);
         Self {
