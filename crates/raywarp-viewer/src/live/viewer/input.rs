@@ -196,7 +196,7 @@ impl Viewer {
     }
 
     fn screenshot(&mut self) -> Option<Outcome> {
-        let picture = self.shelf.shown()?;
+        let picture = self.frames.shown()?;
         let ticket = self.ticket()?;
         let content = Content::Picture(picture);
         Some(Outcome::File(Export { name: "raywarp.png".to_owned(), media_type: "image/png", content, ticket }))

@@ -1,9 +1,9 @@
 //! One pair of eyes on the stage: camera, options, picture.
 
+mod frame_pool;
 mod input;
 mod rendering;
 mod save;
-mod shelf;
 
 use std::sync::Weak;
 use std::time::Duration;
@@ -24,7 +24,7 @@ use super::pointer::Clicks;
 use super::stage::Ready;
 use super::{Legend, Notice, Panel, Stage, Status};
 
-use shelf::Shelf;
+use frame_pool::FramePool;
 
 /// Pixels to show.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -67,7 +67,7 @@ pub struct Viewer {
     moved: Option<Duration>,
     last: Option<Duration>,
     staging: Staging<u32>,
-    shelf: Shelf,
+    frames: FramePool,
     meter: Meter,
     legend: Option<Legend>,
     notice: Option<Notice>,
@@ -112,7 +112,7 @@ impl Viewer {
             moved: None,
             last: None,
             staging: Staging::default(),
-            shelf: Shelf::default(),
+            frames: FramePool::default(),
             meter: Meter::default(),
             legend: None,
             notice: None,
