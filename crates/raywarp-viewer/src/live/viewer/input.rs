@@ -5,7 +5,7 @@ use crate::live::edits::Touched;
 use crate::live::export::{Content, Export, Ticket};
 use crate::live::keys::{self, Action};
 use crate::live::look::Changed;
-use crate::live::panel_rows::{Desk, Effect};
+use crate::live::panel_rows::{CommandContext, Effect};
 use crate::live::pick::{self, Pick};
 use crate::live::stage::Ready;
 use crate::live::{Button, Event, Notice, Outcome, Stage};
@@ -33,12 +33,12 @@ impl Viewer {
                 self.size = [*width, *height].map(|side| side.clamp(1, MOST));
                 self.ask(Lacks::Everything);
             }
-            Event::Set { id, value } => match self.at_desk(stage, |desk| desk.set(id, value)) {
+            Event::Set { id, value } => match self.with_context(stage, |context| context.set(id, value)) {
                 Ok(effect) => return self.see_to(stage, effect),
                 Err(why) => self.refuse(why),
             },
             Event::Reset { id } => {
-                let effects = self.at_desk(stage, |desk| desk.reset(id));
+                let effects = self.with_context(stage, |context| context.reset(id));
                 return effects.into_iter().flat_map(|effect| self.see_to(stage, effect)).collect();
             }
             _ => return self.point_or_press(stage, event),
@@ -108,10 +108,10 @@ impl Viewer {
         }
     }
 
-    fn at_desk<T>(&mut self, stage: &mut Stage, work: impl FnOnce(&mut Desk) -> T) -> T {
+    fn with_context<T>(&mut self, stage: &mut Stage, work: impl FnOnce(&mut CommandContext) -> T) -> T {
         let tree = stage.builds();
         let (camera, edits) = (self.control.as_mut(), stage.edits_mut());
-        work(&mut Desk { look: &mut self.look, usual: &self.usual, tree, camera, edits })
+        work(&mut CommandContext { look: &mut self.look, usual: &self.usual, tree, camera, edits })
     }
 
     /// Sees to what remains to be done after a change.
