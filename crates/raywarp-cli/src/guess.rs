@@ -8,10 +8,9 @@ use clap::{CommandFactory, Parser};
 
 use crate::options::Options;
 
-/// The options of the command line. Ends the program where they make no sense, with a tip where a flag is known from
-/// elsewhere.
-pub fn parse() -> Options {
-    parse_from(std::env::args_os().collect()).unwrap_or_else(|error| error.exit())
+/// The options of the command line; where they make no sense the error has a tip if a flag is known from elsewhere.
+pub fn parse() -> Result<Options, clap::Error> {
+    parse_from(std::env::args_os().collect())
 }
 
 fn parse_from(words: Vec<OsString>) -> Result<Options, clap::Error> {

@@ -31,7 +31,11 @@ use std::process::ExitCode;
 use options::{Command, RenderOptions};
 
 fn main() -> ExitCode {
-    let done = match guess::parse().command {
+    let options = match guess::parse() {
+        Ok(options) => options,
+        Err(error) => return failure::of_options(&error),
+    };
+    let done = match options.command {
         None => render::run(&RenderOptions::built_in()),
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::View(options)) => view::run(&options),

@@ -312,13 +312,16 @@ pub struct ServeOptions {
     /// Address to listen at: of this machine only as it stands, 0.0.0.0 for all networks
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1", help_heading = "Network")]
     pub host: String,
-    /// Let in only who has this secret; without a value, or for any other address than this machine's own, one is made
-    /// at random and printed
-    #[arg(long, value_name = "TEXT", num_args = 0..=1, require_equals = true, default_missing_value = "")]
-    #[arg(help_heading = "Network")]
-    pub token: Option<String>,
+    /// Let in only who knows a secret, which is made at random and printed; for any other address than this machine's
+    /// own there always is one
+    #[arg(long, help_heading = "Network")]
+    pub token: bool,
+    /// Let in only who knows the secret in this file, one line of 8 to 128 characters; none: the secret of RAYWARP_TOKEN,
+    /// if that is set
+    #[arg(long, value_name = "FILE", help_heading = "Network")]
+    pub token_file: Option<PathBuf>,
     /// Most browsers at a time
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = values::whole::<u32>(1, 1000))]
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = values::whole::<u32>(1, 1000))]
     #[arg(help_heading = "Network")]
     pub viewers: u32,
 

@@ -72,6 +72,17 @@ impl Default for StageOptions {
     }
 }
 
+/// Changes whenever what a stage tells may have changed: two that are equal tell the same.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StageVersion {
+    chosen: Option<Build>,
+    generation: u64,
+    edition: u64,
+    trees: u64,
+    told: u64,
+    busy: Option<String>,
+}
+
 /// The scene, from the first byte read.
 pub struct Stage {
     source: Source,
@@ -210,6 +221,12 @@ impl Stage {
             (None, Some(Building { what, .. })) => Some(format!("building {}, {}", what.kind, what.quality)),
             (None, None) => None,
         }
+    }
+
+    /// What status and panel of a viewer that has not changed itself depend on.
+    pub fn version(&self) -> StageVersion {
+        let (generation, edition, trees, told) = (self.generation, self.edition, self.trees, self.told);
+        StageVersion { chosen: self.chosen, generation, edition, trees, told, busy: self.busy() }
     }
 
     /// Why there is no scene and none is coming: once.
