@@ -82,9 +82,9 @@ pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
             TreeInfo::new(AccelKind::Bvh2, &bvh),
         ],
         warnings: loaded.warnings.iter().map(ToString::to_string).collect(),
-        notes: bvh.notes,
+        notes: loaded.notes.iter().map(ToString::to_string).chain(bvh.notes).collect(),
     };
-    let text = if options.json { serde_json::to_string_pretty(&info)? + "\n" } else { info.text() };
+    let text = if options.json { serde_json::to_string_pretty(&info)? + "\n" } else { say::printable(&info.text()) };
     say::out(text.as_bytes())?;
     say::warnings(&loaded.warnings);
     Ok(())

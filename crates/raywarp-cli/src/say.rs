@@ -4,10 +4,21 @@ use std::io::{self, Write};
 
 use raywarp::accel::Dropped;
 use raywarp::backend::Device;
+use raywarp::scene::load::quote;
 
-/// A line on standard error. Where nobody can read it, nothing is lost.
+/// Lines on standard error. Where nobody can read them, nothing is lost.
 pub fn line(text: &str) {
-    let _ = writeln!(io::stderr().lock(), "{text}");
+    let _ = writeln!(io::stderr().lock(), "{}", printable(text));
+}
+
+/// Lines without anything else that a terminal would obey: names come from files.
+pub fn printable(text: &str) -> String {
+    text.split('\n').map(quote::printable).collect::<Vec<_>>().join("\n")
+}
+
+/// What is worth knowing of a scene's files, a line each.
+pub fn notes<T: std::fmt::Display>(notes: &[T]) {
+    notes.iter().for_each(|note| line(&format!("note: {note}")));
 }
 
 /// Most warnings that are shown one by one.
