@@ -29,12 +29,16 @@ fn read_and_check(path: &Path) {
     match load(path, &LoadOptions::default()) {
         Ok(loaded) => {
             check(&loaded.scene);
-            for warning in &loaded.warnings {
-                assert!(warning.to_string().len() < 2000, "a warning of {} bytes", warning.to_string().len());
-            }
+            loaded.warnings.iter().chain(&loaded.notes).for_each(|warning| check_message(&warning.to_string()));
         }
-        Err(error) => assert!(error.to_string().len() < 2000, "an error of {} bytes", error.to_string().len()),
+        Err(error) => check_message(&error.to_string()),
     }
+}
+
+/// One line of bounded length that no terminal obeys.
+fn check_message(message: &str) {
+    assert!(message.len() < 2000, "a message of {} bytes", message.len());
+    assert!(!message.contains(char::is_control), "a control character in {message:?}");
 }
 
 /// The invariants that the scene's documentation promises.
@@ -69,6 +73,7 @@ fn check_mesh(mesh: &Mesh, materials: usize) {
         assert!(triangle.iter().all(|&vertex| (vertex as usize) < vertices));
         assert!(triangle.iter().all(|&vertex| mesh.positions[vertex as usize].iter().all(|x| x.is_finite())));
     }
+    assert!(mesh.colors.iter().flatten().all(|channel| channel.is_finite() && *channel >= 0.0));
     for normal in &mesh.normals {
         let square: f32 = normal.iter().map(|x| x * x).sum();
         assert!(square == 0.0 || (square - 1.0).abs() < 1e-3, "a normal {normal:?}");

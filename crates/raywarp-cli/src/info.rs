@@ -85,7 +85,7 @@ pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
             TreeInfo::new(AccelKind::Bvh2, &bvh),
         ],
         warnings: loaded.warnings.iter().map(ToString::to_string).collect(),
-        notes: bvh.notes,
+        notes: loaded.notes.iter().map(ToString::to_string).chain(bvh.notes).collect(),
     };
     say::results(&info, options.json, || info.text())?;
     say::warnings(&loaded.warnings);

@@ -41,6 +41,7 @@ pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
     caster.report().dropped.allow(options.strict)?;
     if !options.quiet {
         say::warnings(&loaded.warnings);
+        say::notes(&loaded.notes);
         say::dropped(&caster.report().dropped);
         say::fallback(&device);
         if let Some(warning) = &caster.report().warning {

@@ -96,6 +96,7 @@ fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: 
         return;
     }
     say::warnings(&loaded.warnings);
+    say::notes(&loaded.notes);
     say::dropped(&tracer.report().dropped);
     let aimed = options.camera.eye.is_some() && options.camera.target.is_some() || options.frames.path.is_some();
     for note in tracer.report().notes.iter().filter(|note| !(aimed && note.contains("framed"))) {

@@ -6,21 +6,22 @@ use std::path::Path;
 use anyhow::Context;
 use raywarp::accel::Dropped;
 use raywarp::backend::Device;
+use raywarp::scene::load::quote;
 use raywarp::write;
 use serde::Serialize;
 
-/// A line, or several, on standard error. Where nobody can read it, nothing is lost. Orders to the terminal that a file
-/// or its name holds are taken out.
+/// A line, or several, on standard error. Where nobody can read it, nothing is lost. Names come from files: what a terminal
+/// would obey is taken out.
 pub fn line(lines: &str) {
-    let _ = writeln!(io::stderr().lock(), "{}", safe(lines));
+    let _ = writeln!(io::stderr().lock(), "{}", printable(lines));
 }
 
-/// Lines without orders to the terminal.
-fn safe(lines: &str) -> String {
-    lines.split('\n').map(text).collect::<Vec<_>>().join("\n")
+/// Lines without anything else that a terminal would obey.
+fn printable(lines: &str) -> String {
+    lines.split('\n').map(quote::printable).collect::<Vec<_>>().join("\n")
 }
 
-/// A path for a terminal: whatever bytes are in it, none of them are orders.
+/// A path for a terminal, whatever bytes are in it.
 pub fn path(path: &Path) -> String {
     text(&path.to_string_lossy())
 }
@@ -30,13 +31,14 @@ pub fn output_name(path: &Path) -> String {
     text(&write::name(path, "standard output"))
 }
 
-/// Text of a file for a terminal, in which controls and what turns the direction of text around are no orders.
+/// Text of a file for a terminal, on one line.
 pub fn text(text: &str) -> String {
-    text.chars().map(|c| if is_order(c) { char::REPLACEMENT_CHARACTER } else { c }).collect()
+    quote::printable(text).into_owned()
 }
 
-fn is_order(c: char) -> bool {
-    c.is_control() || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+/// What is worth knowing of a scene's files, a line each.
+pub fn notes<T: std::fmt::Display>(notes: &[T]) {
+    notes.iter().for_each(|note| line(&format!("note: {note}")));
 }
 
 /// Most warnings that are shown one by one.
@@ -84,7 +86,7 @@ pub fn out(bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// As [`out`].
 pub fn results<T: Serialize>(results: &T, json: bool, lines: impl FnOnce() -> String) -> anyhow::Result<()> {
-    let text = if json { escaped(&serde_json::to_string_pretty(results)?) + "\n" } else { safe(&lines()) };
+    let text = if json { escaped(&serde_json::to_string_pretty(results)?) + "\n" } else { printable(&lines()) };
     out(text.as_bytes()).context("cannot write the results")
 }
 
@@ -92,7 +94,7 @@ pub fn results<T: Serialize>(results: &T, json: bool, lines: impl FnOnce() -> St
 fn escaped(json: &str) -> String {
     let mut text = String::with_capacity(json.len());
     for c in json.chars() {
-        match is_order(c) && c != '\n' {
+        match quote::garbles(c) && c != '\n' {
             true => text.push_str(&format!("\\u{:04x}", u32::from(c))),
             false => text.push(c),
         }

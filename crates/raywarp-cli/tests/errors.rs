@@ -27,7 +27,13 @@ fn broken_files() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("noise.gltf", noise.clone(), "the JSON of glTF 2.0"),
         ("noise.glb", noise.clone(), "noise.glb"),
         ("noise.toml", noise, "no UTF-8 text"),
-        ("cut.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2".to_vec(), "cut.obj:4:6: 'f 1 2' has 2 vertices"),
+        ("cut.obj", b"v 0 0 0\nv 1 0 0\nv 0 1".to_vec(), "cut.obj:3:6: 'v 0 1' has 2 numbers"),
+        (
+            "cut.stl",
+            b"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0".to_vec(),
+            "cut.stl:4:13: the file ends within",
+        ),
+        ("noise.stl", (0..300u32).map(|i| (i * 197 + 13) as u8).collect(), "triangles are claimed"),
         ("cut.ply", binary(3), "3 rows of 'vertex'"),
         ("cut.gltf", br#"{"asset": {"version": "2.0"}, "meshes": ["#.to_vec(), "cut.gltf:1:41: EOF while parsing"),
         ("cut.glb", glb(1000), "a length of 1000 bytes in a file of 32"),
@@ -89,6 +95,23 @@ fn broken_files_are_errors_that_name_the_file_and_leave_nothing() {
 }
 
 #[test]
+fn names_from_files_do_not_command_the_terminal() {
+    let place = Place::new();
+    place.write("a.obj", format!("o \u{1b}[31mred\n{TRIANGLE}usemtl \u{1b}c\nl 1 2\n\u{1b}]0;title\u{7}\n"));
+    let run = place.run(&["info", "a.obj"]).succeeds();
+    let shown = format!("{}{}", run.out(), run.err());
+    assert!(shown.contains("red") && !shown.contains(|c: char| c.is_control() && c != '\n'), "{shown:?}");
+}
+
+#[test]
+fn digits_that_are_lost_are_a_note_and_strict_lets_it_pass() {
+    let place = Place::new();
+    place.write("far.obj", "v 4500000.123 0 0\nv 4500001 0 0\nv 4500000 1 0\nf 1 2 3\n");
+    let run = place.render(&["far.obj", "--size", "8x8", "--strict"]).succeeds();
+    assert!(run.err().contains("note: far.obj: positions lose up to 1.23e-1 scene units"), "{}", run.err());
+}
+
+#[test]
 fn what_can_be_dropped_is_a_warning_and_with_strict_an_error() {
     let place = Place::new();
     place.write("nan.obj", TRIANGLE.replacen("v 0 0 0", "v 0 0 nan", 1));
@@ -101,8 +124,16 @@ fn what_can_be_dropped_is_a_warning_and_with_strict_an_error() {
     place.write("no_texture.mtl", "newmtl m\nmap_Kd none.png\n");
     place.write("no_texture.toml", SCENE.replace("diffuse = 0", "diffuse_map = \"none.png\""));
     place.write("empty.obj", "");
+    place.write("edge.obj", format!("{TRIANGLE}f 1 2\n"));
+    place.write("normal.obj", TRIANGLE.replace("1 2 3", "1//1 2//1 3//1"));
+    place.write("foreign.obj", format!("$ what\n{TRIANGLE}"));
+    place.write("longer.ply", ply("0 0 0 7", "3 0 1 2"));
     for (name, sentence) in [
         ("nan.obj", "not finite"),
+        ("edge.obj", "fewer than 3 corners"),
+        ("normal.obj", "names normals that the file lacks"),
+        ("foreign.obj", "is not a statement of OBJ"),
+        ("longer.ply", "more values than the header declares"),
         ("inf.obj", "not finite"),
         ("nan.ply", "not finite"),
         ("nan.gltf", "not finite"),

@@ -104,6 +104,19 @@ fn ambient_and_emission_add_up_and_unlit_ignores_lights() {
     assert_close(seen(&plane, &camera_above(10.0, [0.0; 3]), 0), 0.3);
 }
 
+/// Programs write any ambient colour, white or black, for a light that they do not know: the built-in one.
+#[test]
+fn built_in_ambient_light_is_reflected_as_diffuse_light_is() {
+    let picture = |ambient: [f32; 3]| {
+        let mut plane = scene(vec![square(0.0, 50.0, 0)], vec![Material { ambient, ..matt(0.5) }], vec![]);
+        plane.ambient = None;
+        seen(&plane, &camera_above(10.0, [0.0; 3]), 0)
+    };
+    assert_eq!(picture([1.0; 3]), picture([0.5; 3]));
+    assert_eq!(picture([0.0; 3]), picture([0.5; 3]));
+    assert_close(picture([1.0; 3]), 0.5 * 0.05);
+}
+
 #[test]
 fn a_spot_is_full_inside_dark_outside_and_smooth_between() {
     let spot = |x: f32| Light {

@@ -3,6 +3,7 @@
 use raywarp_kernels::material::{flags, Material};
 use raywarp_kernels::texture::{mode, Texture, NO_TEXTURE};
 
+use super::lighting::Ambient;
 use crate::scene::srgb::srgb_to_linear_precise;
 use crate::scene::{self, AlphaMode, Channel, Filter, Image, NormalMap, Scene, Wrap};
 
@@ -12,8 +13,8 @@ pub(super) struct Surfaces {
     pub textures: Vec<Texture>,
 }
 
-/// All materials of a scene.
-pub(super) fn ready(materials: &[scene::Material], images: &[Image]) -> Surfaces {
+/// All materials of a scene, for ambient light of its own or for the built-in one.
+pub(super) fn ready(materials: &[scene::Material], images: &[Image], ambient: Ambient) -> Surfaces {
     let mut first = 0;
     let places = images.iter().map(|image| {
         let whole = image.texels.len() as u64 == image.width as u64 * image.height as u64;
@@ -21,7 +22,7 @@ pub(super) fn ready(materials: &[scene::Material], images: &[Image]) -> Surfaces
         first += image.texels.len() as u32;
         place
     });
-    let mut list = List { places: places.collect(), textures: Vec::new() };
+    let mut list = List { places: places.collect(), textures: Vec::new(), ambient };
     let materials = materials.iter().map(|m| list.material(m)).collect();
     Surfaces { materials, textures: list.textures }
 }
@@ -50,6 +51,7 @@ struct Place {
 struct List {
     places: Vec<Place>,
     textures: Vec<Texture>,
+    ambient: Ambient,
 }
 
 impl List {
@@ -68,7 +70,10 @@ impl List {
             Some(NormalMap::Height { texture, scale }) => (flags::HEIGHT, scale, self.texture(Some(&texture))),
         };
         Material {
-            ambient: material.ambient.into(),
+            ambient: match self.ambient {
+                Ambient::Own => material.ambient.into(),
+                Ambient::BuiltIn => material.diffuse.into(),
+            },
             shininess: material.shininess.max(0.0),
             diffuse: material.diffuse.into(),
             ior: if material.ior > 0.0 { material.ior } else { 1.0 },

@@ -8,7 +8,7 @@ use raywarp_kernels::texture::{Texture, Textures};
 use raywarp_kernels::view::View;
 
 use super::flatten::Flat;
-use super::lighting::Lighting;
+use super::lighting::{Ambient, Lighting};
 use super::materials::{self, Surfaces};
 use crate::backend::{Buffer, Device, DeviceError};
 use crate::scene::{self, Image, Scene};
@@ -36,7 +36,7 @@ impl ResidentScene {
     }
 
     pub fn upload(device: &Device, flat: &Flat, scene: &Scene) -> Result<Self, DeviceError> {
-        let Surfaces { materials, textures } = materials::ready(&scene.materials, &scene.images);
+        let Surfaces { materials, textures } = materials::ready(&scene.materials, &scene.images, Ambient::of(scene));
         Ok(Self {
             primitives: device.upload(&flat.primitives)?,
             positions: device.upload(&flat.positions)?,
@@ -57,8 +57,9 @@ impl ResidentScene {
         device: &Device,
         materials: &[scene::Material],
         images: &[Image],
+        ambient: Ambient,
     ) -> Result<(), DeviceError> {
-        let Surfaces { materials, textures } = materials::ready(materials, images);
+        let Surfaces { materials, textures } = materials::ready(materials, images, ambient);
         (self.materials, self.textures) = (device.upload(&materials)?, device.upload(&textures)?);
         Ok(())
     }

@@ -4,8 +4,9 @@ use toml::Spanned;
 
 use super::complaint::Complaint;
 use super::file::{self, Normals};
+use super::values::Coordinate;
 use super::{Failure, Group, Reader};
-use crate::load;
+use crate::load::{self, precision::Rounding};
 use crate::{normals, Instance, Material, Mesh, Scene, Transform};
 
 /// In bytes; no system has longer ones by much.
@@ -65,8 +66,10 @@ impl Reader<'_> {
     }
 
     fn written_out(&mut self, entry: &file::Mesh, at: usize) -> Result<Scene, Failure> {
-        let positions: Vec<[f32; 3]> =
-            entry.vertices.iter().flatten().map(|vertex| vertex.map(|number| number.0)).collect();
+        let mut rounding = Rounding::default();
+        let rounded = |vertex: &[Coordinate; 3]| vertex.map(|number| rounding.round(number.0));
+        let positions: Vec<[f32; 3]> = entry.vertices.iter().flatten().map(rounded).collect();
+        rounding.tell(self.path, positions.iter().copied(), self.sources);
         let mut triangles = Vec::new();
         for face in &entry.faces {
             triangles.extend(fan(face, positions.len())?);

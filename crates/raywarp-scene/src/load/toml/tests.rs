@@ -55,6 +55,34 @@ fn a_mesh_without_instances_is_placed_once_and_one_with_them_only_by_them() {
 }
 
 #[test]
+fn vertices_that_lose_digits_are_a_note() {
+    let directory = tempfile::tempdir().unwrap();
+    let far = TRIANGLE.replace("[0,0,0],[1,0,0],[0,1,0]", "[4500000.123,0,0],[4500001,0,0],[4500000,1,0]");
+    let loaded = load_in(directory.path(), &format!("version = 1\n{far}")).unwrap();
+    assert!(loaded.warnings.is_empty() && loaded.notes.len() == 1, "{:?}", loaded.notes);
+    assert!(loaded.notes[0].message.starts_with("positions lose up to 1.23e-1 scene units"), "{:?}", loaded.notes);
+    assert!(load_in(directory.path(), &format!("version = 1\n{TRIANGLE}")).unwrap().notes.is_empty());
+}
+
+#[test]
+fn a_textured_material_on_a_mesh_without_uvs_is_its_plain_colour() {
+    let directory = tempfile::tempdir().unwrap();
+    image::RgbaImage::new(1, 1).save(directory.path().join("a.png")).unwrap();
+    let material = "[[materials]]\nname = \"m\"\ndiffuse = [1, 0, 0]\ndiffuse_map = \"a.png\"\n";
+    let instance = "[[instances]]\nmesh = \"t\"\nmaterial = \"m\"\n";
+    let loaded = load_in(directory.path(), &format!("version = 1\n{TRIANGLE}{material}{instance}")).unwrap();
+    let shown = loaded.scene.instances[0].material.unwrap() as usize;
+    assert_eq!(
+        (loaded.scene.materials[shown].diffuse, loaded.scene.materials[shown].diffuse_map),
+        ([1.0, 0.0, 0.0], None)
+    );
+    assert_eq!(
+        loaded.warnings[0].message,
+        "the mesh 't' has no coordinates for the textures of the material 'm', which shows its plain colour there"
+    );
+}
+
+#[test]
 fn polygons_are_cut_into_triangles() {
     let text = "version = 1\n[[meshes]]\nvertices = [[0,0,0],[1,0,0],[1,1,0],[0,1,0]]\nfaces = [[0,1,2,3]]\n";
     assert_eq!(scene(text).meshes[0].triangles, [[0, 1, 2], [0, 2, 3]]);

@@ -15,7 +15,10 @@ fn with_material(material: &str) -> String {
         r#","materials":[{material}],"images":[{{"uri":"{uri}"}}],
         "samplers":[{{"magFilter":9728,"wrapS":33071,"wrapT":33648}}],"textures":[{{"source":0}},{{"source":0,"sampler":0}}]"#
     );
-    triangle(&more).replace(PRIMITIVE, r#"{"attributes":{"POSITION":0},"material":0}"#)
+    // Texture coordinates that are all zero need no buffer.
+    triangle(&more)
+        .replace(r#""count":3}]"#, r#""count":3},{"componentType":5126,"type":"VEC2","count":3}]"#)
+        .replace(PRIMITIVE, r#"{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}"#)
 }
 
 fn material(json: &str) -> Material {
