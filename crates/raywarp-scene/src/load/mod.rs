@@ -7,7 +7,7 @@ mod mtl;
 mod obj;
 mod ply;
 pub mod quote;
-mod repair;
+pub(crate) mod repair;
 mod source;
 mod text;
 pub(crate) mod toml;

@@ -10,7 +10,7 @@ use super::super::{LoadError, Sources};
 use super::origin::Origin;
 use super::uri::{resolve, Resource};
 
-/// All buffers of a file, each as long as it claims at least.
+/// All buffers of a file, each as long as it claims at least, but for those that have no bytes anywhere.
 pub(super) struct Buffers<'a> {
     list: Vec<Data<'a>>,
     views: &'a [buffer::View],
@@ -21,6 +21,8 @@ enum Data<'a> {
     Owned(Vec<u8>),
     /// Several buffers may name one file.
     File(Rc<Vec<u8>>),
+    /// There are none: an error for whoever reads them.
+    Nowhere,
 }
 
 impl Data<'_> {
@@ -29,6 +31,7 @@ impl Data<'_> {
             Self::Chunk(bytes) => bytes,
             Self::Owned(bytes) => bytes,
             Self::File(bytes) => bytes,
+            Self::Nowhere => &[],
         }
     }
 }
@@ -42,7 +45,7 @@ pub(super) struct View<'a> {
 }
 
 impl<'a> Buffers<'a> {
-    /// Reads every buffer; the one without a URI is the binary chunk.
+    /// Reads every buffer that has bytes; the first one without a URI is the binary chunk.
     pub fn load(
         origin: Origin,
         root: &'a Root,
@@ -55,13 +58,10 @@ impl<'a> Buffers<'a> {
             let name = format!("buffers[{index}]");
             let data = match &buffer.uri {
                 Some(uri) => read(origin, &name, uri, sources, &mut files)?,
-                None => Data::Chunk(chunk.filter(|_| index == 0).ok_or_else(|| {
-                    origin
-                        .broken(format!("{name} has no uri"), "a uri, or the first buffer of a GLB with a binary chunk")
-                })?),
+                None => chunk.filter(|_| index == 0).map_or(Data::Nowhere, Data::Chunk),
             };
             let (has, claims) = (data.bytes().len(), buffer.byte_length.0);
-            if (has as u64) < claims {
+            if (has as u64) < claims && !matches!(data, Data::Nowhere) {
                 return Err(origin.broken(format!("{name} has {has} bytes"), format!("its byteLength of {claims}")));
             }
             list.push(data);
@@ -93,6 +93,10 @@ impl<'a> Buffers<'a> {
             let expected = format!("an index below {}, the number of buffers", self.list.len());
             origin.broken(format!("bufferViews[{index}] uses buffers[{buffer}]"), expected)
         })?;
+        if let Data::Nowhere = data {
+            let expected = "a uri, or the first buffer of a GLB with a binary chunk";
+            return Err(origin.broken(format!("buffers[{buffer}], which {owner} reads, has no uri"), expected));
+        }
         let (start, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
         let bytes = range(data.bytes(), start, length).ok_or_else(|| {
             let read = format!("bufferViews[{index}] has {length} bytes from byte {start}");

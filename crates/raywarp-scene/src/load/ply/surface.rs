@@ -31,6 +31,7 @@ pub(super) fn assemble(
         positions: vertices.positions,
         normals: vertices.normals,
         uvs: vertices.uvs,
+        second_uvs: Vec::new(),
         colors: vertices.colors,
         tangents: Vec::new(),
         materials: vec![0; faces.triangles.len()],

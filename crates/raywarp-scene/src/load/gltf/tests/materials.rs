@@ -1,6 +1,14 @@
 use super::*;
 use crate::{AlphaMode, Filter, Material, NormalMap, Wrap};
 
+/// A picture of one texel.
+fn plain(texel: [u8; 3]) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let image = image::RgbImage::from_raw(1, 1, texel.to_vec()).unwrap();
+    image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    bytes.into_inner()
+}
+
 /// A picture of 2 by 1 texels: white, then (0, 128, 255).
 fn picture() -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
@@ -144,6 +152,76 @@ fn a_missing_picture_is_a_warning_and_a_checker() {
     let loaded = load_json(&json);
     assert!(loaded.warnings[0].message.contains("none.png"), "{:?}", loaded.warnings);
     assert!(loaded.scene.materials[0].diffuse_map.is_some());
+}
+
+#[test]
+fn a_picture_on_the_web_is_a_warning_and_a_checker() {
+    let json = with_material(r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}"#);
+    let picture = format!("data:image/png;base64,{}", base64(&picture()));
+    let loaded = load_json(&json.replace(&picture, "https://example.org/a.png"));
+    let message = &loaded.warnings[0].message;
+    assert!(message.contains("the scheme 'https' in the URI of images[0] is not supported"), "{message}");
+    assert!(loaded.scene.materials[0].diffuse_map.is_some());
+    let broken = load_json(&json.replace(&picture, "data:image/png;base64,!"));
+    assert!(broken.warnings[0].message.contains("expected base64"), "{:?}", broken.warnings);
+}
+
+#[test]
+fn missing_pictures_of_numbers_count_as_absent() {
+    let without = |json: &str| {
+        let json = with_material(json);
+        load_json(&json.replace(&format!("data:image/png;base64,{}", base64(&picture())), "none.png"))
+    };
+    let rough = without(r#"{"pbrMetallicRoughness":{"metallicRoughnessTexture":{"index":0},"roughnessFactor":0.5}}"#);
+    let plain = material(r#"{"pbrMetallicRoughness":{"roughnessFactor":0.5}}"#);
+    let found = &rough.scene.materials[0];
+    assert_eq!((found.reflection, found.shininess), (plain.reflection, plain.shininess));
+    assert_eq!(rough.warnings.len(), 1);
+    let bent = without(r#"{"normalTexture":{"index":0}}"#);
+    assert!(bent.scene.materials[0].normal_map.is_none());
+    assert_eq!(bent.warnings.len(), 1);
+}
+
+#[test]
+fn metal_painted_gold_is_the_metal_gold() {
+    let painted = with_material(r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":0},"roughnessFactor":0.3}}"#)
+        .replace(&base64(&picture()), &base64(&plain([255, 200, 0])));
+    let painted = scene(&painted).materials.remove(0);
+    let gold = [1.0, crate::srgb::srgb_to_linear(200.0 / 255.0), 0.0];
+    let solid = material(&format!(
+        r#"{{"pbrMetallicRoughness":{{"baseColorFactor":[1,{},0,1],"roughnessFactor":0.3}}}}"#,
+        gold[1]
+    ));
+    // The texture tints all of it: see `Material::metallic`.
+    assert!(painted.metallic && solid.metallic);
+    let tinted = |color: [f32; 3]| [0, 1, 2].map(|c| color[c] * gold[c]);
+    assert!(near(tinted(painted.specular), solid.specular) && near(tinted(painted.reflection), solid.reflection));
+    assert!(near(tinted(painted.diffuse), solid.diffuse));
+}
+
+#[test]
+fn volumes_absorb_by_the_length_inside() {
+    let glass = |volume: &str| {
+        material(&format!(
+            r#"{{"pbrMetallicRoughness":{{"metallicFactor":0}},"extensions":{{"KHR_materials_transmission":
+            {{"transmissionFactor":1}},"KHR_materials_volume":{volume}}}}}"#
+        ))
+    };
+    let red = glass(r#"{"thicknessFactor":1,"attenuationDistance":0.5,"attenuationColor":[1,0.25,0]}"#);
+    // A quarter is left after half a unit.
+    assert_eq!(red.absorption[0], 0.0);
+    assert!((red.absorption[1] - 2.0 * 4.0f32.ln()).abs() < 1e-5 && red.absorption[2].is_finite());
+    assert_eq!(glass(r#"{"thicknessFactor":1,"attenuationColor":[1,0,0]}"#).absorption, [0.0; 3], "no distance");
+    assert_eq!(glass(r#"{"attenuationDistance":1,"attenuationColor":[1,0,0]}"#).absorption, [0.0; 3], "a thin wall");
+}
+
+#[test]
+fn surfaces_are_single_sided_unless_they_say_or_transmit() {
+    assert!(material("{}").single_sided);
+    assert!(!material(r#"{"doubleSided":true}"#).single_sided);
+    let glass = r#"{"pbrMetallicRoughness":{"metallicFactor":0},
+        "extensions":{"KHR_materials_transmission":{"transmissionFactor":1}}}"#;
+    assert!(!material(glass).single_sided);
 }
 
 #[test]

@@ -10,6 +10,8 @@ mod geometry;
 mod hostile;
 mod materials;
 mod placement;
+mod poses;
+mod validity;
 
 fn load_named(name: &str, files: &[(&str, &[u8])]) -> (PathBuf, Result<Loaded, LoadError>) {
     let folder = tempfile::tempdir().unwrap();
