@@ -6,6 +6,7 @@ use ::gltf::json::Index;
 
 use super::super::LoadError;
 use super::buffers::{Buffers, View};
+use super::decoded::Attribute;
 use super::origin::Origin;
 
 /// The elements of an accessor. Every element below `count` lies inside its buffer.
@@ -55,6 +56,9 @@ impl<'a> Elements<'a> {
             let expected = format!("an index below {}, the number of accessors", accessors.len());
             origin.broken(format!("{owner} uses {name}"), expected)
         })?;
+        if let Some(attribute) = buffers.decoded.accessors.get(&index.value()) {
+            return Ok(Self::decoded(name, accessor.normalized, attribute));
+        }
         let component = match &accessor.component_type {
             Checked::Valid(component) => component.0,
             Checked::Invalid => return Err(origin.broken(format!("{name} has a wrong componentType"), "5120 to 5126")),
@@ -73,6 +77,13 @@ impl<'a> Elements<'a> {
             None => None,
         };
         Ok(Self { name, count, lanes, component, normalized: accessor.normalized, base, sparse })
+    }
+
+    /// Of an accessor that was compressed. What the JSON says of it is not needed, but for how integers are meant.
+    fn decoded(name: String, normalized: bool, attribute: &'a Attribute) -> Self {
+        let Attribute { bytes, count, lanes, component } = attribute;
+        let base = Some(Span { bytes, stride: lanes * component.size() });
+        Self { name, count: *count, lanes: *lanes, component: *component, normalized, base, sparse: None }
     }
 
     /// Elements that had to be read to make this.

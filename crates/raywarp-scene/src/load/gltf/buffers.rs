@@ -7,6 +7,8 @@ use std::rc::Rc;
 use ::gltf::json::{buffer, Index, Root};
 
 use super::super::{LoadError, Sources};
+use super::decoded::Decoded;
+use super::meshopt;
 use super::origin::Origin;
 use super::uri::{resolve, Resource};
 
@@ -14,6 +16,8 @@ use super::uri::{resolve, Resource};
 pub(super) struct Buffers<'a> {
     list: Vec<Data<'a>>,
     views: &'a [buffer::View],
+    /// What is read instead of views and accessors that are compressed.
+    pub decoded: Decoded,
 }
 
 enum Data<'a> {
@@ -57,6 +61,7 @@ impl<'a> Buffers<'a> {
         for (index, buffer) in root.buffers.iter().enumerate() {
             let name = format!("buffers[{index}]");
             let data = match &buffer.uri {
+                _ if meshopt::is_fallback(buffer) => Data::Nowhere,
                 Some(uri) => read(origin, &name, uri, sources, &mut files)?,
                 None => chunk.filter(|_| index == 0).map_or(Data::Nowhere, Data::Chunk),
             };
@@ -66,7 +71,7 @@ impl<'a> Buffers<'a> {
             }
             list.push(data);
         }
-        Ok(Self { list, views: &root.buffer_views })
+        Ok(Self { list, views: &root.buffer_views, decoded: Decoded::default() })
     }
 
     /// Bytes of all buffers together, shared files once.
@@ -88,23 +93,38 @@ impl<'a> Buffers<'a> {
             )
         };
         let view = self.views.get(index).ok_or_else(missing)?;
-        let buffer = view.buffer.value();
+        // 0 is not allowed and means none where it is written.
+        let stride = view.byte_stride.map(|stride| stride.0).filter(|&stride| stride > 0);
+        if let Some(bytes) = self.decoded.views.get(&index) {
+            return Ok(View { bytes, stride });
+        }
+        let name = format!("bufferViews[{index}]");
+        let (start, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
+        let bytes = self.part(origin, &name, view.buffer.value(), start, length)?;
+        Ok(View { bytes, stride })
+    }
+
+    /// Bytes of a buffer, for the JSON object that is named `owner` in messages.
+    pub fn part(
+        &self,
+        origin: Origin,
+        owner: &str,
+        buffer: usize,
+        start: u64,
+        length: u64,
+    ) -> Result<&[u8], LoadError> {
         let data = self.list.get(buffer).ok_or_else(|| {
             let expected = format!("an index below {}, the number of buffers", self.list.len());
-            origin.broken(format!("bufferViews[{index}] uses buffers[{buffer}]"), expected)
+            origin.broken(format!("{owner} uses buffers[{buffer}]"), expected)
         })?;
         if let Data::Nowhere = data {
             let expected = "a uri, or the first buffer of a GLB with a binary chunk";
             return Err(origin.broken(format!("buffers[{buffer}], which {owner} reads, has no uri"), expected));
         }
-        let (start, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
-        let bytes = range(data.bytes(), start, length).ok_or_else(|| {
-            let read = format!("bufferViews[{index}] has {length} bytes from byte {start}");
+        range(data.bytes(), start, length).ok_or_else(|| {
+            let read = format!("{owner} has {length} bytes from byte {start}");
             origin.broken(read, format!("a part of the {} bytes of buffers[{buffer}]", data.bytes().len()))
-        })?;
-        // 0 is not allowed and means none where it is written.
-        let stride = view.byte_stride.map(|stride| stride.0).filter(|&stride| stride > 0);
-        Ok(View { bytes, stride })
+        })
     }
 }
 

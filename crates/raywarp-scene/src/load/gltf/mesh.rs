@@ -79,6 +79,9 @@ fn read_primitive(
         reader.dropped.without_positions += 1;
         return Ok(None);
     };
+    // What Draco decodes to are triangles, whatever they were.
+    let is_decoded = reader.buffers.decoded.accessors.contains_key(&positions.value());
+    let mode = if is_decoded { Mode::Triangles } else { mode };
     let material = material::read(reader, primitive.material.map(|index| index.value()))?;
     let uvs = |place: usize| material.sets[place].map(Semantic::TexCoords);
     let attributes = [Some(Semantic::Normals), Some(Semantic::Tangents), uvs(0), uvs(1), Some(Semantic::Colors(0))]

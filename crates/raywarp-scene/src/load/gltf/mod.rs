@@ -20,12 +20,15 @@ mod budget;
 mod buffers;
 mod cameras;
 mod container;
+mod decoded;
+mod draco;
 mod extensions;
 mod instancing;
 mod lights;
 mod material;
 mod mended;
 mod mesh;
+mod meshopt;
 mod nodes;
 mod origin;
 mod phong;
@@ -59,8 +62,9 @@ pub(super) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadErro
     let bytes = sources.bytes(path)?;
     let parts = container::split(origin, &bytes)?;
     let root = container::parse(origin, &parts, sources)?;
-    let buffers = Buffers::load(origin, &root, parts.binary, sources)?;
-    let budget = Budget::new(bytes.len() + buffers.total_bytes());
+    let mut buffers = Buffers::load(origin, &root, parts.binary, sources)?;
+    let mut budget = Budget::new(bytes.len() + buffers.total_bytes());
+    decoded::read(origin, &root, &mut buffers, &mut budget)?;
     let mut reader = Reader {
         origin,
         root: &root,

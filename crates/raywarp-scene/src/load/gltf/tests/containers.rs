@@ -36,7 +36,7 @@ fn missing_buffers_are_named() {
     assert!(message.contains("none.bin: No such file") || message.contains("none.bin"), "{message}");
     assert_eq!(
         refusal(IN_CHUNK),
-        "F: buffers[0], which accessors[0] reads, has no uri; expected a uri, or the first buffer of a GLB with a binary chunk. \
+        "F: buffers[0], which bufferViews[0] reads, has no uri; expected a uri, or the first buffer of a GLB with a binary chunk. \
          Export the model again, or check the file with the Khronos glTF validator."
     );
 }

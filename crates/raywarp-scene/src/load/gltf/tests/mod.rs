@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::load::{load, LoadError, LoadOptions, Loaded};
 use crate::Scene;
 
+mod compressed;
 mod containers;
 mod geometry;
 mod hostile;

@@ -40,7 +40,7 @@ fn a_buffer_of_nothing_is_an_error_only_where_it_is_read() {
     let json = triangle("").replace(r#"}],"bufferViews""#, r#"},{"byteLength":36}],"bufferViews""#);
     assert_eq!(scene(&json).instances.len(), 1);
     let message = refusal(&json.replace(r#""buffer":0"#, r#""buffer":1"#));
-    assert!(message.starts_with("F: buffers[1], which accessors[0] reads, has no uri; expected a uri"), "{message}");
+    assert!(message.starts_with("F: buffers[1], which bufferViews[0] reads, has no uri; expected a uri"), "{message}");
 }
 
 #[test]
