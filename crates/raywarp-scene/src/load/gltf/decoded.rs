@@ -31,12 +31,7 @@ pub(super) struct Attribute {
 }
 
 /// Decodes all of a file.
-pub(super) fn read(
-    origin: Origin,
-    root: &Root,
-    buffers: &mut Buffers,
-    budget: &mut Budget,
-) -> Result<(), LoadError> {
+pub(super) fn read(origin: Origin, root: &Root, buffers: &mut Buffers, budget: &mut Budget) -> Result<(), LoadError> {
     // Views first: Draco's streams are views too.
     buffers.decoded.views = meshopt::decode_views(origin, root, buffers, budget)?;
     buffers.decoded.accessors = draco::decode_primitives(origin, root, buffers, budget)?;

@@ -68,7 +68,8 @@ impl Task<'_> {
         let mesh = self.unpack(stream, budget.decoded_left())?;
         budget.take_decoded(self.origin, mesh.num_faces(), FACE_BYTES)?;
         let indices = self.primitive.indices.ok_or_else(|| {
-            self.origin.broken(format!("{} is compressed by Draco and has no indices", self.owner), "an accessor for them")
+            self.origin
+                .broken(format!("{} is compressed by Draco and has no indices", self.owner), "an accessor for them")
         })?;
         decoded.insert(indices.value(), indices_of(&mesh));
         let attributes = self.extension.get("attributes").and_then(Value::as_object);

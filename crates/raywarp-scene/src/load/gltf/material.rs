@@ -116,8 +116,7 @@ fn convert(reader: &mut Reader, json: &JsonMaterial, sets: Sets, material: &mut 
     }
     material.opacity = opacity;
     material.alpha = alpha_mode(json);
-    // Rays must leave what they entered.
-    material.single_sided = !json.double_sided && material.transmission == [0.0; 3];
+    material.single_sided = !json.double_sided;
     emit(reader, json, sets, material)?;
     if let Some(map) = &json.normal_texture {
         let slot = Slot::of_normal_map(reader.origin, map)?;

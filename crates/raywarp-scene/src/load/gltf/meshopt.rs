@@ -61,13 +61,16 @@ impl<'a> Stream<'a> {
     fn read(origin: Origin, owner: &str, extension: &'a Value) -> Result<Self, LoadError> {
         let number = |key: &str, usual: Option<u64>| {
             let value = extension.get(key).map_or(usual, Value::as_u64);
-            value.ok_or_else(|| origin.broken(format!("the meshopt compression of {owner} has a wrong {key}"), "a number"))
+            value.ok_or_else(|| {
+                origin.broken(format!("the meshopt compression of {owner} has a wrong {key}"), "a number")
+            })
         };
         let size = |key: &str, usual| {
             let value = number(key, usual)?;
             usize::try_from(value).map_err(|_| origin.too_large(format!("{owner} has a {key} of {value}")))
         };
-        let text = |key: &str, usual: &'a str| extension.get(key).map_or(usual, |value| value.as_str().unwrap_or_default());
+        let text =
+            |key: &str, usual: &'a str| extension.get(key).map_or(usual, |value| value.as_str().unwrap_or_default());
         Ok(Self {
             buffer: size("buffer", None)?,
             start: number("byteOffset", Some(0))?,
@@ -79,16 +82,25 @@ impl<'a> Stream<'a> {
         })
     }
 
-    fn decode(&self, origin: Origin, owner: &str, buffers: &Buffers, budget: &mut Budget) -> Result<Vec<u8>, LoadError> {
+    fn decode(
+        &self,
+        origin: Origin,
+        owner: &str,
+        buffers: &Buffers,
+        budget: &mut Budget,
+    ) -> Result<Vec<u8>, LoadError> {
         let source = buffers.part(origin, owner, self.buffer, self.start, self.length)?;
         budget.take_decoded(origin, self.count, self.stride)?;
         let limits = Limits { max_bytes: self.count.saturating_mul(self.stride), ..Limits::default() };
-        fenced(|| self.unpack(source, &mut Workspace::new(limits)).map_err(|error| error.to_string())).map_err(|reason| {
-            let (mode, filter) = (quote(self.mode.as_bytes()), quote(self.filter.as_bytes()));
-            let read = format!("{owner} cannot be decoded: {reason}");
-            let (count, stride) = (self.count, self.stride);
-            origin.broken(read, format!("{count} elements of {stride} bytes compressed by meshopt, {mode} {filter}"))
-        })
+        fenced(|| self.unpack(source, &mut Workspace::new(limits)).map_err(|error| error.to_string())).map_err(
+            |reason| {
+                let (mode, filter) = (quote(self.mode.as_bytes()), quote(self.filter.as_bytes()));
+                let read = format!("{owner} cannot be decoded: {reason}");
+                let (count, stride) = (self.count, self.stride);
+                origin
+                    .broken(read, format!("{count} elements of {stride} bytes compressed by meshopt, {mode} {filter}"))
+            },
+        )
     }
 
     fn unpack(&self, source: &[u8], workspace: &mut Workspace) -> Result<Vec<u8>, Error> {

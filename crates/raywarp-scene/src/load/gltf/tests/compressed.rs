@@ -78,9 +78,8 @@ fn load_glb(bytes: &[u8]) -> Result<Loaded, String> {
 /// The area of a mesh, whichever way its vertices are numbered.
 fn area(mesh: &crate::Mesh) -> f32 {
     let corner = |v: u32| glam::Vec3::from(mesh.positions[v as usize]);
-    let areas = mesh.triangles.iter().map(|&[a, b, c]| {
-        0.5 * (corner(b) - corner(a)).cross(corner(c) - corner(a)).length()
-    });
+    let areas =
+        mesh.triangles.iter().map(|&[a, b, c]| 0.5 * (corner(b) - corner(a)).cross(corner(c) - corner(a)).length());
     areas.sum()
 }
 
@@ -194,11 +193,27 @@ fn broken_meshopt_is_refused_by_name() {
         load_glb(&glb(&json.replace(from, to), Some(&whole[20 + length + 8..]))).unwrap_err()
     };
     let cases = [
-        ("ATTRIBUTES", "ATTRIBUTE", "F: bufferViews[0] cannot be decoded: invalid parameter; expected 81 elements of 12"),
+        (
+            "ATTRIBUTES",
+            "ATTRIBUTE",
+            "F: bufferViews[0] cannot be decoded: invalid parameter; expected 81 elements of 12",
+        ),
         (r#""filter":"NONE""#, r#""filter":"OCT""#, "F: bufferViews[0] cannot be decoded: invalid parameter; expected"),
-        (r#""mode":"TRIANGLES""#, r#""mode":"ATTRIBUTES""#, "F: bufferViews[1] cannot be decoded: invalid vertex layout"),
-        (r#""count":81,"mode""#, r#""count":810000000,"mode""#, "F: 1936 bytes of files decode to 810000000 elements of 12"),
-        (r#""byteStride":12,"count":81"#, r#""byteStride":"x","count":81"#, "F: the meshopt compression of bufferViews[0]"),
+        (
+            r#""mode":"TRIANGLES""#,
+            r#""mode":"ATTRIBUTES""#,
+            "F: bufferViews[1] cannot be decoded: invalid vertex layout",
+        ),
+        (
+            r#""count":81,"mode""#,
+            r#""count":810000000,"mode""#,
+            "F: 1936 bytes of files decode to 810000000 elements of 12",
+        ),
+        (
+            r#""byteStride":12,"count":81"#,
+            r#""byteStride":"x","count":81"#,
+            "F: the meshopt compression of bufferViews[0]",
+        ),
     ];
     for (from, to, start) in cases {
         let message = changed(from, to);
