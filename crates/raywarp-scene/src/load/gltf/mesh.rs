@@ -8,6 +8,7 @@ use ::gltf::json::{Accessor, Index};
 
 use super::super::{repair, LoadError};
 use super::attributes::{self, Used};
+use super::material::Sets;
 use super::phong::at_most;
 use super::pose::Pose;
 use super::{material, topology, Reader};
@@ -67,33 +68,19 @@ fn read_primitive(
     owner: &str,
     name: &str,
 ) -> Result<Option<Part>, LoadError> {
-    let Checked::Valid(mode) = primitive.mode else {
-        return Err(reader.origin.broken(format!("{owner} has a wrong mode"), "0 to 6"));
-    };
-    if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
-        reader.dropped.points_and_lines += 1;
-        return Ok(None);
-    }
-    let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
-    let Some(positions) = attribute(Semantic::Positions) else {
+    let Some(mode) = mode(reader, primitive, owner)? else { return Ok(None) };
+    let material = material::read(reader, primitive.material.map(|index| index.value()))?;
+    let Some(accessors) = Accessors::of(primitive, material.sets) else {
         reader.dropped.without_positions += 1;
         return Ok(None);
     };
-    // What Draco decodes to are triangles, whatever they were.
-    let is_decoded = reader.buffers.decoded.accessors.contains_key(&positions.value());
-    let mode = if is_decoded { Mode::Triangles } else { mode };
-    let material = material::read(reader, primitive.material.map(|index| index.value()))?;
-    let uvs = |place: usize| material.sets[place].map(Semantic::TexCoords);
-    let attributes = [Some(Semantic::Normals), Some(Semantic::Tangents), uvs(0), uvs(1), Some(Semantic::Colors(0))]
-        .map(|semantic| semantic.and_then(attribute));
-    let all = std::iter::once(Some(positions)).chain(attributes).map(|accessor| accessor.map(|index| index.value()));
-    let geometry =
-        Geometry { attributes: array(all), indices: primitive.indices.map(|index| index.value()), mode: mode as u8 };
+    let material = material::without(reader, material, accessors.lacks(material.sets), name)?;
     let deforms = pose.deforms(primitive);
+    let geometry = accessors.geometry(mode);
     if let Some(&mesh) = reader.cache.geometry.get(&geometry).filter(|_| !deforms) {
         return Ok(Some(Part { mesh, material: material.index, is_placed: false }));
     }
-    let (mut mesh, used, count) = build(reader, owner, mode, primitive.indices, positions, attributes)?;
+    let (mut mesh, used, count) = build(reader, owner, mode, accessors)?;
     let is_placed = deforms && pose.apply(reader, owner, primitive, &used, count, &mut mesh)?;
     mesh.name = reader.copy_name(name)?;
     mesh.materials = vec![material.index; mesh.triangles.len()];
@@ -106,34 +93,77 @@ fn read_primitive(
     Ok(Some(Part { mesh: place, material: material.index, is_placed }))
 }
 
-/// The first values of a list that is no shorter.
-fn array<T: Copy, const N: usize>(values: impl Iterator<Item = Option<T>>) -> [Option<T>; N] {
-    let mut array = [None; N];
-    array.iter_mut().zip(values).for_each(|(place, value)| *place = value);
-    array
+/// How indices make triangles; none for points and lines, which are counted.
+fn mode(reader: &mut Reader, primitive: &Primitive, owner: &str) -> Result<Option<Mode>, LoadError> {
+    let Checked::Valid(mode) = primitive.mode else {
+        return Err(reader.origin.broken(format!("{owner} has a wrong mode"), "0 to 6"));
+    };
+    if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
+        reader.dropped.points_and_lines += 1;
+        return Ok(None);
+    }
+    // What Draco decodes to are triangles, whatever they were.
+    let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
+    let is_decoded =
+        positions.is_some_and(|positions| reader.buffers.decoded.accessors.contains_key(&positions.value()));
+    Ok(Some(if is_decoded { Mode::Triangles } else { mode }))
+}
+
+/// What a primitive is made from.
+struct Accessors {
+    positions: Index<Accessor>,
+    normals: Option<Index<Accessor>>,
+    tangents: Option<Index<Accessor>>,
+    /// As a material reads them.
+    uvs: [Option<Index<Accessor>>; 2],
+    colors: Option<Index<Accessor>>,
+    indices: Option<Index<Accessor>>,
+}
+
+impl Accessors {
+    /// `None` for a primitive without positions.
+    fn of(primitive: &Primitive, sets: Sets) -> Option<Self> {
+        let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).copied();
+        Some(Self {
+            positions: attribute(Semantic::Positions)?,
+            normals: attribute(Semantic::Normals),
+            tangents: attribute(Semantic::Tangents),
+            uvs: sets.map(|set| attribute(Semantic::TexCoords(set?))),
+            colors: attribute(Semantic::Colors(0)),
+            indices: primitive.indices,
+        })
+    }
+
+    /// Which of the sets that a material reads are not there.
+    fn lacks(&self, sets: Sets) -> [bool; 2] {
+        [0, 1].map(|place| sets[place].is_some() && self.uvs[place].is_none())
+    }
+
+    fn geometry(&self, mode: Mode) -> Geometry {
+        let [uvs, second_uvs] = self.uvs;
+        let attributes = [Some(self.positions), self.normals, self.tangents, uvs, second_uvs, self.colors];
+        Geometry {
+            attributes: attributes.map(|accessor| accessor.map(|index| index.value())),
+            indices: self.indices.map(|index| index.value()),
+            mode: mode as u8,
+        }
+    }
 }
 
 /// Everything of a mesh but its name and materials, as modelled; which vertices it has of how many.
-fn build(
-    reader: &mut Reader,
-    owner: &str,
-    mode: Mode,
-    indices: Option<Index<Accessor>>,
-    positions: Index<Accessor>,
-    [normals, tangents, uvs, second_uvs, colors]: [Option<Index<Accessor>>; 5],
-) -> Result<(Mesh, Used, usize), LoadError> {
-    let positions = attributes::read(reader, owner, positions, None, 3..=3)?;
+fn build(reader: &mut Reader, owner: &str, mode: Mode, accessors: Accessors) -> Result<(Mesh, Used, usize), LoadError> {
+    let positions = attributes::read(reader, owner, accessors.positions, None, 3..=3)?;
     let count = positions.count;
     let mut optional = |accessor: Option<Index<Accessor>>, lanes| {
         accessor.map(|accessor| attributes::read(reader, owner, accessor, Some(count), lanes)).transpose()
     };
-    let normals = optional(normals, 3..=3)?;
-    let tangents = optional(tangents, 4..=4)?;
-    let uvs = optional(uvs, 2..=2)?;
-    let second_uvs = optional(second_uvs, 2..=2)?;
-    let colors = optional(colors, 3..=4)?;
+    let normals = optional(accessors.normals, 3..=3)?;
+    let tangents = optional(accessors.tangents, 4..=4)?;
+    let uvs = optional(accessors.uvs[0], 2..=2)?;
+    let second_uvs = optional(accessors.uvs[1], 2..=2)?;
+    let colors = optional(accessors.colors, 3..=4)?;
 
-    let mut indices = attributes::read_indices(reader, owner, indices, count)?;
+    let mut indices = attributes::read_indices(reader, owner, accessors.indices, count)?;
     let used = Used::compact(&mut indices, count);
     reader.budget.take(reader.origin, indices.len(), TRIANGLE_BYTES)?;
     reader.budget.take(reader.origin, used.len(), VERTEX_BYTES)?;

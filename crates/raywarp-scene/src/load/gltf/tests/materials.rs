@@ -23,7 +23,8 @@ fn with_material(material: &str) -> String {
         r#","materials":[{material}],"images":[{{"uri":"{uri}"}}],
         "samplers":[{{"magFilter":9728,"wrapS":33071,"wrapT":33648}}],"textures":[{{"source":0}},{{"source":0,"sampler":0}}]"#
     );
-    triangle(&more).replace(PRIMITIVE, r#"{"attributes":{"POSITION":0},"material":0}"#)
+    let uvs: Piece = (FLOAT, "VEC2", 3, floats(&[0.0; 6]), "");
+    file(&[triangle_positions(), uvs], r#"{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}"#, &more)
 }
 
 fn material(json: &str) -> Material {
@@ -133,6 +134,7 @@ fn pictures_in_views_are_read() {
     let length = png.len();
     let json = with_material(r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}"#)
         .replace(r#""bufferViews":["#, &format!(r#""bufferViews":[{{"buffer":1,"byteLength":{length}}},"#))
+        .replace(r#"{"bufferView":1"#, r#"{"bufferView":2"#)
         .replace(r#"{"bufferView":0"#, r#"{"bufferView":1"#)
         .replace(
             r#"}],"bufferViews""#,
@@ -233,4 +235,26 @@ fn webp_is_preferred_where_it_is_offered() {
     let json = with_material(r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}"#)
         .replace(r#""textures":[{"source":0}"#, r#""textures":[{"extensions":{"EXT_texture_webp":{"source":0}}}"#);
     assert_eq!(scene(&json).images.len(), 1);
+}
+
+#[test]
+fn a_texture_on_a_mesh_without_coordinates_is_a_warning_and_the_plain_color() {
+    let json = with_material(
+        r#"{"name":"paint","pbrMetallicRoughness":{"baseColorTexture":{"index":0},"baseColorFactor":[0.5,0.5,0.5,1],
+        "metallicFactor":0},"normalTexture":{"index":0}}"#,
+    );
+    let both = json.replace(
+        r#"{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}"#,
+        r#"{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0},{"attributes":{"POSITION":0},"material":0}"#,
+    );
+    let loaded = load_json(&both);
+    let messages: Vec<_> = loaded.warnings.iter().map(|warning| warning.message.as_str()).collect();
+    assert_eq!(
+        messages,
+        ["mesh 'shape' lacks texture coordinates of material 'paint': it is shown without the textures"]
+    );
+    let [textured, plain] = &loaded.scene.materials[..] else { panic!("two materials") };
+    assert!(textured.diffuse_map.is_some() && textured.normal_map.is_some());
+    assert!(plain.diffuse_map.is_none() && plain.normal_map.is_none() && plain.diffuse == [0.5; 3]);
+    assert_eq!(loaded.scene.meshes.iter().map(|mesh| mesh.materials[0]).collect::<Vec<_>>(), [0, 1]);
 }
