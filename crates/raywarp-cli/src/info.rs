@@ -102,7 +102,7 @@ fn memory(scene: &Scene) -> u64 {
     let meshes = scene.meshes.iter().map(|mesh| {
         12 * mesh.positions.len()
             + 12 * mesh.normals.len()
-            + 8 * mesh.uvs.len()
+            + 8 * (mesh.uvs.len() + mesh.second_uvs.len())
             + 16 * (mesh.colors.len() + mesh.tangents.len())
             + 16 * mesh.triangles.len()
     });

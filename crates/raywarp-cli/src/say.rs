@@ -140,9 +140,9 @@ mod tests {
     fn no_file_gives_orders_to_the_terminal() {
         let name = "a\u{1b}[2Jb\u{9b}c\u{202e}d\u{7}";
         assert_eq!(text(name), "a\u{fffd}[2Jb\u{fffd}c\u{fffd}d\u{fffd}");
-        assert_eq!(safe("first\nsecond\r"), "first\nsecond\u{fffd}");
+        assert_eq!(printable("first\nsecond\r"), "first\nsecond\u{fffd}");
         let json = escaped(&serde_json::to_string_pretty(&[name]).unwrap());
-        assert!(json.chars().all(|c| c == '\n' || !is_order(c)), "{json:?}");
+        assert!(json.chars().all(|c| c == '\n' || !quote::garbles(c)), "{json:?}");
         assert_eq!(serde_json::from_str::<Vec<String>>(&json).unwrap(), [name]);
     }
 }

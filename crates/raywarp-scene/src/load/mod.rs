@@ -10,7 +10,7 @@ mod obj;
 mod ply;
 mod precision;
 pub mod quote;
-mod repair;
+pub(crate) mod repair;
 mod source;
 mod stl;
 mod text;

@@ -1,11 +1,13 @@
 //! Materials, textures and images as the kernels read them.
 
+use std::f32::consts::LOG2_E;
+
 use raywarp_kernels::material::{flags, Material};
 use raywarp_kernels::texture::{mode, Texture, NO_TEXTURE};
 
 use super::lighting::Ambient;
 use crate::scene::srgb::srgb_to_linear_precise;
-use crate::scene::{self, AlphaMode, Channel, Filter, Image, NormalMap, Scene, Wrap};
+use crate::scene::{self, AlphaMode, Channel, Filter, Image, NormalMap, Scene, UvSet, Wrap};
 
 /// Materials and the textures that they refer to.
 pub(super) struct Surfaces {
@@ -69,6 +71,11 @@ impl List {
             Some(NormalMap::Tangent { texture, scale }) => (0, scale, self.texture(Some(&texture))),
             Some(NormalMap::Height { texture, scale }) => (flags::HEIGHT, scale, self.texture(Some(&texture))),
         };
+        bits |= if material.metallic { flags::METALLIC } else { 0 };
+        let transmits = material.transmission != [0.0; 3];
+        bits |= if material.single_sided && !transmits { flags::SINGLE_SIDED } else { 0 };
+        bits |= if transmits && material.absorption != [0.0; 3] { flags::VOLUME } else { 0 };
+        bits |= if uses_second_uvs(material) { flags::SECOND_UVS } else { 0 };
         Material {
             ambient: match self.ambient {
                 Ambient::Own => material.ambient.into(),
@@ -85,6 +92,8 @@ impl List {
             flags: bits | alpha | height,
             transmission: material.transmission.into(),
             bump,
+            // Kernels raise 2 to powers.
+            absorption: material.absorption.map(|a| (a.max(0.0) * LOG2_E).min(f32::MAX)).into(),
             diffuse_map: self.texture(material.diffuse_map.as_ref()),
             specular_map: self.texture(material.specular_map.as_ref()),
             emission_map: self.texture(material.emission_map.as_ref()),
@@ -115,6 +124,15 @@ impl List {
     }
 }
 
+fn uses_second_uvs(material: &scene::Material) -> bool {
+    let maps = [&material.diffuse_map, &material.specular_map, &material.emission_map, &material.opacity_map];
+    let normal_map = match &material.normal_map {
+        Some(NormalMap::Tangent { texture, .. } | NormalMap::Height { texture, .. }) => Some(texture),
+        None => None,
+    };
+    maps.into_iter().flatten().chain(normal_map).any(|texture| texture.uv_set == UvSet::Second)
+}
+
 fn mode_of(texture: &scene::Texture) -> u32 {
     let wrap = |wrap: Wrap| match wrap {
         Wrap::Repeat => 0,
@@ -133,5 +151,6 @@ fn mode_of(texture: &scene::Texture) -> u32 {
         | wrap(texture.wrap[1]) << 2
         | if texture.filter == Filter::Nearest { mode::NEAREST } else { 0 }
         | if texture.srgb { mode::SRGB } else { 0 }
+        | if texture.uv_set == UvSet::Second { mode::SECOND_UVS } else { 0 }
         | channel << mode::CHANNEL_SHIFT
 }

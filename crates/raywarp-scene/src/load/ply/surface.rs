@@ -32,6 +32,7 @@ pub(super) fn assemble(path: &Path, header: &Header, body: Body, sources: &mut S
         positions: vertices.positions,
         normals: vertices.normals,
         uvs: vertices.uvs,
+        second_uvs: Vec::new(),
         colors: vertices.colors,
         tangents: Vec::new(),
         materials,
