@@ -10,7 +10,7 @@ use raywarp_viewer::serve::ServeError;
 use raywarp_viewer::window::WindowError;
 use raywarp_viewer::ViewerError;
 
-use crate::say;
+use crate::{say, serve};
 
 /// A usage or scene error, or a picture that cannot be written.
 const USAGE: u8 = 2;
@@ -24,6 +24,13 @@ pub fn exit_code(error: &anyhow::Error) -> ExitCode {
     }
     say::line(&format!("error: {}", sentence(error)));
     ExitCode::from(if error.chain().any(is_of_device) { DEVICE } else { USAGE })
+}
+
+/// Says what is wrong with the options, or shows the help that they ask for.
+pub fn of_options(error: &clap::Error) -> ExitCode {
+    let Some(sentence) = serve::advise(error) else { error.exit() };
+    say::line(&format!("error: {sentence}"));
+    ExitCode::from(USAGE)
 }
 
 /// The error and its causes, without those that an error above them has quoted already.

@@ -6,7 +6,9 @@ use raywarp::render::{Report, Tracer};
 use raywarp::scene::{Material, Scene};
 use serde::Serialize;
 
+use crate::interrupt::Interrupt;
 use crate::options::InfoOptions;
+use crate::output::to_standard_output;
 use crate::render::read;
 use crate::report::{SceneCounts, Table, Tree};
 use crate::say;
@@ -61,7 +63,8 @@ struct TreeInfo {
 
 /// Says what is in a scene.
 pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
-    let loaded = read(options.scene.as_deref(), options.strict)?;
+    let _ends = Interrupt::install();
+    let loaded = read(options.scene.as_deref(), options.strict, &mut to_standard_output()?)?;
     let scene = &loaded.scene;
     let cpu = Device::open(DeviceChoice::Cpu)?;
     let report = |accel| Tracer::new(scene, accel, &cpu).map(|tracer| tracer.report().clone());
@@ -82,10 +85,9 @@ pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
             TreeInfo::new(AccelKind::Bvh2, &bvh),
         ],
         warnings: loaded.warnings.iter().map(ToString::to_string).collect(),
-        notes: bvh.notes,
+        notes: loaded.notes.iter().map(ToString::to_string).chain(bvh.notes).collect(),
     };
-    let text = if options.json { serde_json::to_string_pretty(&info)? + "\n" } else { info.text() };
-    say::out(text.as_bytes())?;
+    say::results(&info, options.json, || info.text())?;
     say::warnings(&loaded.warnings);
     Ok(())
 }
@@ -100,7 +102,7 @@ fn memory(scene: &Scene) -> u64 {
     let meshes = scene.meshes.iter().map(|mesh| {
         12 * mesh.positions.len()
             + 12 * mesh.normals.len()
-            + 8 * mesh.uvs.len()
+            + 8 * (mesh.uvs.len() + mesh.second_uvs.len())
             + 16 * (mesh.colors.len() + mesh.tangents.len())
             + 16 * mesh.triangles.len()
     });

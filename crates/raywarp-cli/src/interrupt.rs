@@ -44,7 +44,7 @@ impl Interrupt {
         Self { writing, asked, unfinished }
     }
 
-    /// A file that goes if the program is ended: another program is writing it.
+    /// A file or a folder that goes if the program is ended: it is of no use then.
     pub fn unfinished(&self, path: PathBuf) {
         self.unfinished.lock().unwrap_or_else(PoisonError::into_inner).push(path);
     }
@@ -63,7 +63,7 @@ impl Interrupt {
 fn remove(files: &Mutex<Vec<PathBuf>>) {
     for path in files.lock().unwrap_or_else(PoisonError::into_inner).iter() {
         // One that is gone or cannot go: nothing better can be done.
-        let _ = std::fs::remove_file(path);
+        let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
     }
 }
 

@@ -1,12 +1,12 @@
 //! The program `raywarp`.
 
-mod ahead;
 mod bench;
 mod columns;
 mod completions;
 mod doctor;
 mod failure;
 mod frames;
+mod guess;
 mod info;
 mod interrupt;
 mod limits;
@@ -15,7 +15,9 @@ mod options;
 mod output;
 mod paper;
 mod progress;
+mod provenance;
 mod query;
+mod read_ahead;
 mod render;
 mod report;
 mod say;
@@ -26,12 +28,14 @@ mod view;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
-use options::{Command, Options, RenderOptions};
+use options::{Command, RenderOptions};
 
 fn main() -> ExitCode {
-    let done = match Options::parse().command {
+    let options = match guess::parse() {
+        Ok(options) => options,
+        Err(error) => return failure::of_options(&error),
+    };
+    let done = match options.command {
         None => render::run(&RenderOptions::built_in()),
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::View(options)) => view::run(&options),

@@ -1,7 +1,10 @@
 //! `raywarp man`.
 
+use std::path::Path;
+
 use anyhow::Context;
 use clap::CommandFactory;
+use raywarp::write::Outputs;
 
 use crate::options::{ManOptions, Options};
 use crate::say;
@@ -15,5 +18,19 @@ pub fn run(options: &ManOptions) -> anyhow::Result<()> {
     };
     let failed = || format!("cannot write manual pages into {}", directory.display());
     std::fs::create_dir_all(directory).with_context(failed)?;
-    clap_mangen::generate_to(Options::command(), directory).with_context(failed)
+    let made = tempfile::tempdir().with_context(failed)?;
+    clap_mangen::generate_to(Options::command(), &made).with_context(failed)?;
+    put_pages(made.path(), directory)
+}
+
+/// Puts every page in its place, whole or not at all.
+fn put_pages(made: &Path, directory: &Path) -> anyhow::Result<()> {
+    for page in std::fs::read_dir(made)? {
+        let page = page?;
+        let mut run = Outputs::default();
+        let path = directory.join(page.file_name());
+        run.add(&path)?;
+        run.file(&path, &std::fs::read(page.path())?)?;
+    }
+    Ok(())
 }

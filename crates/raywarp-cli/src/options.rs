@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use raywarp::accel::{AccelKind, Build, Quality};
 use raywarp::backend::{Device, DeviceChoice};
 use raywarp::image::{Layer, ToneMap};
@@ -48,7 +48,7 @@ Exit codes: 0 done, 2 usage or scene error, 3 device error, 130 interrupted";
 
 const RENDER_EXAMPLES: &str = "\
 Examples:
-  raywarp render scene.toml -o a.png -o a.exr --spp 16
+  raywarp render scene.toml -o a.png -o a.exr --samples 16
   raywarp render model.glb --eye 3,2,5 --target 0,1,0 --fov 35
   raywarp render --accel kd --heatmap cost.png --stats
   raywarp render scene.obj -o a.exr --aov depth,normal,primitive
@@ -92,6 +92,9 @@ Examples:
 The picture is rendered here and shown there; the browser needs no GPU. On a machine that is reached by
 ssh, run the line that is printed on your own and open the address there. docs/serve.md has the rest.";
 
+/// Words for devices; `cuda:N` has too many to list.
+pub const DEVICES: [&str; 3] = ["auto", "cpu", "cuda"];
+
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
@@ -122,20 +125,24 @@ pub enum Command {
 #[command(after_help = RENDER_EXAMPLES)]
 pub struct RenderOptions {
     /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    #[arg(value_hint = ValueHint::FilePath)]
     pub scene: Option<PathBuf>,
 
     /// Picture file, .png (sRGB) or .exr (linear), or - for PNG to standard output; may be repeated; none: raywarp.png
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
+    #[arg(value_hint = ValueHint::FilePath)]
     pub output: Vec<PathBuf>,
     /// Layers, with commas: depth, normal, albedo, uv, position, primitive, material, tests; within an EXR, beside a
     /// PNG in false colours as NAME.LAYER.png
     #[arg(long, value_name = "LIST", value_delimiter = ',', help_heading = "Output")]
+    #[arg(value_parser = values::words::<Layer>(Layer::ALL.map(Layer::name)), hide_possible_values = true)]
     pub aov: Vec<Layer>,
     /// Write the tests a pixel (nodes and triangles) as a coloured PNG with its scale
     #[arg(long, value_name = "FILE", help_heading = "Output")]
+    #[arg(value_hint = ValueHint::FilePath)]
     pub heatmap: Option<PathBuf>,
     /// Tests that the brightest colour of the heat map stands for; none: those of the costliest pixel
-    #[arg(long, value_name = "N", requires = "heatmap", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", requires = "heatmap", value_parser = values::whole::<u64>(1, u64::MAX))]
     #[arg(help_heading = "Output")]
     pub heatmap_max: Option<u64>,
 
@@ -146,7 +153,7 @@ pub struct RenderOptions {
     #[arg(long, value_name = "x0,y0,x1,y1", value_parser = values::crop, help_heading = "Picture")]
     pub crop: Option<[u32; 4]>,
     /// Samples a pixel [default: the scene file's, else 1]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPP)))]
+    #[arg(long = "samples", visible_alias = "spp", value_name = "N", value_parser = values::whole::<u32>(1, MAX_SPP.into()))]
     #[arg(help_heading = "Picture")]
     pub spp: Option<u32>,
     #[command(flatten)]
@@ -198,6 +205,7 @@ pub enum StatsForm {
 #[command(after_help = VIEW_EXAMPLES)]
 pub struct ViewOptions {
     /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    #[arg(value_hint = ValueHint::FilePath)]
     pub scene: Option<PathBuf>,
     /// Read the scene again when its file changes
     #[arg(long)]
@@ -223,7 +231,7 @@ pub struct ViewOptions {
 #[derive(Debug, Args)]
 pub struct LiveOptions {
     /// Samples a pixel that the picture goes up to at rest [default: the scene file's, else 64]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
+    #[arg(long = "samples", visible_alias = "spp", value_name = "N", value_parser = values::whole::<u32>(1, MAX_SAMPLES.into()))]
     #[arg(help_heading = "Picture")]
     pub spp: Option<u32>,
     #[command(flatten)]
@@ -252,22 +260,27 @@ impl LiveOptions {
 #[command(after_help = QUERY_EXAMPLES)]
 pub struct QueryOptions {
     /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    #[arg(value_hint = ValueHint::FilePath)]
     pub scene: Option<PathBuf>,
 
     /// Rays: a .npy or CSV file, or - for standard input
     #[arg(short, long, value_name = "FILE")]
+    #[arg(value_hint = ValueHint::FilePath)]
     pub rays: PathBuf,
     /// What to ask: closest, any, count, all
     #[arg(short, long, value_name = "MODE", default_value_t)]
+    #[arg(value_parser = values::words::<Mode>(Mode::ALL.map(Mode::name)), hide_possible_values = true)]
     pub mode: Mode,
     /// Hits that 'all' and 'count' stop at; none: all of them
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", value_parser = values::whole::<u32>(0, u32::MAX.into()))]
     pub max_hits: Option<u32>,
     /// Answers: a .npz, .npy (a single array: any, count) or .csv file, or - for standard output
     #[arg(short, long, value_name = "FILE", default_value = "hits.npz")]
+    #[arg(value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     /// Format of the answers: npz, npy, csv; none: by the file's name, csv to standard output
     #[arg(long, value_name = "FORMAT")]
+    #[arg(value_parser = values::words::<Format>(Format::ALL.map(Format::name)), hide_possible_values = true)]
     pub format: Option<Format>,
 
     #[command(flatten)]
@@ -289,21 +302,26 @@ pub struct QueryOptions {
 #[command(after_help = SERVE_EXAMPLES)]
 pub struct ServeOptions {
     /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    #[arg(value_hint = ValueHint::FilePath)]
     pub scene: Option<PathBuf>,
 
     /// Port; 0 takes any that is free
-    #[arg(long, value_name = "N", default_value_t = 8787, help_heading = "Network")]
+    #[arg(long, value_name = "N", default_value_t = 8787, value_parser = values::whole::<u16>(0, 65535))]
+    #[arg(help_heading = "Network")]
     pub port: u16,
     /// Address to listen at: of this machine only as it stands, 0.0.0.0 for all networks
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1", help_heading = "Network")]
     pub host: String,
-    /// Let in only who has this secret; without a value, or for any other address than this machine's own, one is made
-    /// at random and printed
-    #[arg(long, value_name = "TEXT", num_args = 0..=1, require_equals = true, default_missing_value = "")]
-    #[arg(help_heading = "Network")]
-    pub token: Option<String>,
+    /// Let in only who knows a secret, which is made at random and printed; for any other address than this machine's
+    /// own there always is one
+    #[arg(long, help_heading = "Network")]
+    pub token: bool,
+    /// Let in only who knows the secret in this file, one line of 8 to 128 characters; none: the secret of RAYWARP_TOKEN,
+    /// if that is set
+    #[arg(long, value_name = "FILE", help_heading = "Network")]
+    pub token_file: Option<PathBuf>,
     /// Most browsers at a time
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = values::whole::<u32>(1, 1000))]
     #[arg(help_heading = "Network")]
     pub viewers: u32,
 
@@ -322,6 +340,7 @@ pub struct ServeOptions {
 #[derive(Debug, Args)]
 pub struct InfoOptions {
     /// Scene file; none: the built-in scene
+    #[arg(value_hint = ValueHint::FilePath)]
     pub scene: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
@@ -342,6 +361,7 @@ pub struct CompletionsOptions {
 #[derive(Debug, Args)]
 pub struct ManOptions {
     /// Write raywarp.1, raywarp-render.1 and so on there
+    #[arg(value_hint = ValueHint::DirPath)]
     pub directory: Option<PathBuf>,
 }
 
@@ -383,7 +403,7 @@ impl CameraOptions {
 #[derive(Debug, Args)]
 pub struct ShadingOptions {
     /// Mirrored and refracted rays in a row, 0 to 16 [default: the scene file's, else 5]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_DEPTH)))]
+    #[arg(long, value_name = "N", value_parser = values::whole::<u32>(0, MAX_DEPTH.into()))]
     #[arg(help_heading = "Picture")]
     pub max_depth: Option<u32>,
     /// Let every light reach everything
@@ -393,7 +413,7 @@ pub struct ShadingOptions {
     #[arg(long, overrides_with = "no_shadows", help_heading = "Picture")]
     pub shadows: bool,
     /// Start of the random numbers that place the samples [default: the scene file's, else 0]
-    #[arg(long, value_name = "N", help_heading = "Picture")]
+    #[arg(long, value_name = "N", value_parser = values::whole::<u32>(0, u32::MAX.into()), help_heading = "Picture")]
     pub seed: Option<u32>,
     /// Brighten by EV stops, in PNG only: EXR holds the radiance itself [default: the scene file's, else 0]
     #[arg(long, value_name = "EV", allow_hyphen_values = true, value_parser = values::exposure)]
@@ -401,6 +421,7 @@ pub struct ShadingOptions {
     pub exposure: Option<f32>,
     /// What PNG does with radiance above 1: clamp, filmic [default: the scene file's, else clamp]
     #[arg(long, value_name = "CURVE", help_heading = "Picture")]
+    #[arg(value_parser = values::words::<ToneMap>(ToneMap::ALL.map(ToneMap::name)), hide_possible_values = true)]
     pub tone_map: Option<ToneMap>,
 }
 
@@ -423,20 +444,23 @@ impl ShadingOptions {
 pub struct MachineOptions {
     /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
     #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
+    #[arg(value_parser = values::words::<DeviceChoice>(DEVICES), hide_possible_values = true)]
     pub device: DeviceChoice,
     /// How to find hits: brute, staged (every triangle), a k-d tree: kd (the paper's), kdsah, kdtrail, or a hierarchy of boxes:
     /// bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w, bvh8f [default: the scene file's, else the fastest on the device]
     #[arg(long, value_name = "KIND", help_heading = "Machine")]
+    #[arg(value_parser = values::words::<AccelKind>(AccelKind::ALL.map(AccelKind::name)), hide_possible_values = true)]
     pub accel: Option<AccelKind>,
     /// How good a hierarchy of boxes should be: fast (to build), medium, high (to trace) [default: the scene file's,
     /// else medium]
     #[arg(long, value_name = "QUALITY", help_heading = "Machine")]
+    #[arg(value_parser = values::words::<Quality>(Quality::ALL.map(Quality::name)), hide_possible_values = true)]
     pub tree: Option<Quality>,
     /// Build the tree anew instead of looking for it in the user's cache, or in the folder of RAYWARP_CACHE
     #[arg(long, help_heading = "Machine")]
     pub no_cache: bool,
     /// Threads of the CPU; none: all
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Machine")]
+    #[arg(long, value_name = "N", value_parser = values::whole::<u32>(1, 4096), help_heading = "Machine")]
     pub threads: Option<u32>,
 }
 

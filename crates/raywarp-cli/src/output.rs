@@ -1,14 +1,14 @@
 //! Which files are written, and writing them.
 
 use std::cell::OnceCell;
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use raywarp::image::{exr, false_color, heatmap, png, Development, Format, Layer, Layers, Picture, Rgb8};
-use raywarp::write;
+use raywarp::image::{exr, false_color, heatmap, png, Development, Format, Layer, Layers, Picture, Provenance, Rgb8};
+use raywarp::write::{self, Outputs};
 
 use crate::interrupt::Interrupt;
 use crate::options::{RenderOptions, StatsForm};
+use crate::provenance::Origin;
 use crate::say;
 
 /// The picture of a run that names none.
@@ -29,14 +29,15 @@ pub struct Results<'a> {
     layers: &'a Layers,
     development: Development,
     heatmap_max: Option<u64>,
+    provenance: Provenance,
     shown: OnceCell<Rgb8>,
 }
 
 impl<'a> Results<'a> {
-    /// The picture; the layers, if any are asked for, with tests for a heat map; how PNG shows radiance; and the top of
-    /// the heat map's scale.
-    pub fn new(picture: &'a Picture, layers: &'a Layers, development: Development, heatmap_max: Option<u64>) -> Self {
-        Self { picture, layers, development, heatmap_max, shown: OnceCell::new() }
+    /// The picture; the layers, if any are asked for, with tests for a heat map; and what they were made of.
+    pub fn new(picture: &'a Picture, layers: &'a Layers, origin: &Origin) -> Self {
+        let Origin { development, heatmap_max, .. } = *origin;
+        Self { picture, layers, development, heatmap_max, provenance: origin.provenance(), shown: OnceCell::new() }
     }
 
     /// The picture as a PNG shows it.
@@ -46,15 +47,15 @@ impl<'a> Results<'a> {
 }
 
 impl Plan {
-    /// The files that options ask for, each known to be writable.
+    /// The files that options ask for, each known to be writable and added to the outputs of the run.
     ///
     /// # Errors
-    /// Where they contradict each other or one cannot be written.
-    pub fn new(options: &RenderOptions) -> anyhow::Result<Self> {
+    /// Where they contradict each other, one cannot be written, or one is read.
+    pub fn new(options: &RenderOptions, run: &mut Outputs) -> anyhow::Result<Self> {
         let usual = [PathBuf::from(USUAL)];
         let outputs = if options.output.is_empty() { &usual } else { options.output.as_slice() };
         let plan = Self::of(outputs, options.heatmap.clone(), &options.aov)?;
-        plan.check(options)?;
+        plan.check(options, run)?;
         Ok(plan)
     }
 
@@ -91,13 +92,13 @@ impl Plan {
         Ok(())
     }
 
-    fn check(&self, options: &RenderOptions) -> anyhow::Result<()> {
-        let mut seen = HashSet::new();
+    fn check(&self, options: &RenderOptions, run: &mut Outputs) -> anyhow::Result<()> {
+        self.check_standard_output(options)?;
         for path in self.paths() {
-            anyhow::ensure!(seen.insert(path), "two outputs have the same name, {}: give each its own", path.display());
+            run.add(path)?;
             write::check(path)?;
         }
-        self.check_standard_output(options)
+        add_statistics(options, run)
     }
 
     /// Refuses statistics within a picture.
@@ -141,50 +142,79 @@ impl Plan {
 
     /// The picture files by name, with commas.
     pub fn names(&self) -> String {
-        let name = |path: &Path| match write::is_dash(path) {
-            true => "standard output".to_owned(),
-            false => path.display().to_string(),
-        };
-        let names: Vec<_> = self.pictures.iter().map(|picture| name(&picture.0)).collect();
+        let names: Vec<_> = self.pictures.iter().map(|picture| say::output_name(&picture.0)).collect();
         names.join(", ")
     }
 
     /// Writes every file. Says what the colours of layers and heat maps mean.
-    pub fn write(&self, results: &Results, interrupt: &Interrupt, quiet: bool) -> anyhow::Result<()> {
+    pub fn write(&self, results: &Results, target: Target, quiet: bool) -> anyhow::Result<()> {
         for (path, format) in &self.pictures {
             let bytes = match format {
-                Format::Png => png::encode(results.shown())?,
-                Format::Exr => exr::encode(results.picture, Some(results.layers), &self.layers)?,
+                Format::Png => png::encode_described(results.shown(), Some(&results.provenance))?,
+                Format::Exr => {
+                    let (layers, provenance) = (Some(results.layers), Some(&results.provenance));
+                    exr::encode_described(results.picture, layers, &self.layers, provenance)?
+                }
             };
-            put(path, &bytes, interrupt)?;
+            target.put(path, &bytes)?;
         }
         for (path, layer) in &self.layer_pictures {
-            put_explained(path, false_color::draw(results.layers, *layer)?, interrupt, quiet)?;
+            target.put_explained(path, false_color::draw(results.layers, *layer)?, results, quiet)?;
         }
         if let (Some(path), Some(tests)) = (&self.heatmap, &results.layers.tests) {
             let Picture { width, height, .. } = *results.picture;
             let (picture, scale) = heatmap::draw(width, height, tests, results.heatmap_max);
-            put_explained(path, (picture, scale.to_string()), interrupt, quiet)?;
+            target.put_explained(path, (picture, scale.to_string()), results, quiet)?;
         }
         Ok(())
     }
 }
 
-fn put_explained(
-    path: &Path,
-    (picture, meaning): (Rgb8, String),
-    interrupt: &Interrupt,
-    quiet: bool,
-) -> anyhow::Result<()> {
-    put(path, &png::encode(&picture)?, interrupt)?;
-    if !quiet {
-        say::line(&format!("{}: {meaning}", path.display()));
-    }
-    Ok(())
+/// The outputs of a command that writes its results to standard output alone.
+///
+/// # Errors
+/// None; as for [`Outputs::add`].
+pub fn to_standard_output() -> anyhow::Result<Outputs> {
+    let mut run = Outputs::default();
+    run.add(Path::new(write::STANDARD))?;
+    Ok(run)
 }
 
-fn put(path: &Path, bytes: &[u8], interrupt: &Interrupt) -> anyhow::Result<()> {
-    // A pipe may wait for its reader for ever: Ctrl-C has to work there, and leaves no file.
-    let _held = (!write::is_dash(path)).then(|| interrupt.hold());
-    Ok(write::file(path, bytes)?)
+/// Statistics on standard output may go to a file, too.
+pub fn add_statistics(options: &RenderOptions, run: &mut Outputs) -> anyhow::Result<()> {
+    match options.stats {
+        Some(StatsForm::Json) => Ok(run.add(Path::new(write::STANDARD))?),
+        _ => Ok(()),
+    }
+}
+
+/// Where files go: none of them is read, and none is cut short.
+#[derive(Clone, Copy)]
+pub struct Target<'a> {
+    /// What the run reads and writes.
+    pub run: &'a Outputs,
+    /// What ends it.
+    pub interrupt: &'a Interrupt,
+}
+
+impl Target<'_> {
+    fn put_explained(
+        self,
+        path: &Path,
+        (picture, meaning): (Rgb8, String),
+        results: &Results,
+        quiet: bool,
+    ) -> anyhow::Result<()> {
+        self.put(path, &png::encode_described(&picture, Some(&results.provenance))?)?;
+        if !quiet {
+            say::line(&format!("{}: {meaning}", say::path(path)));
+        }
+        Ok(())
+    }
+
+    fn put(self, path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+        // A pipe may wait for its reader for ever: Ctrl-C has to work there, and leaves no file.
+        let _held = (!write::is_dash(path)).then(|| self.interrupt.hold());
+        Ok(self.run.file(path, bytes)?)
+    }
 }

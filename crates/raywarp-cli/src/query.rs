@@ -8,13 +8,14 @@ use anyhow::Context;
 use raywarp::backend::Device;
 use raywarp::query::files::{AnswerWriter, Answers, Format, Mode, RayReader};
 use raywarp::query::{Batch, Progress, RayCaster};
-use raywarp::write;
+use raywarp::write::{self, Outputs};
 use serde::Serialize;
 
-use crate::ahead::Ahead;
 use crate::interrupt::Interrupt;
 use crate::options::QueryOptions;
+use crate::output::Target;
 use crate::progress::{Bar, Words};
+use crate::read_ahead::ReadAhead;
 use crate::render::{limit_threads, read};
 use crate::say;
 
@@ -25,12 +26,14 @@ const PIECE: usize = 1 << 22;
 pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
     let interrupt = Interrupt::install();
     let start = Instant::now();
-    let mut answers = plan(options, &interrupt)?;
+    let mut outputs = Outputs::default();
+    outputs.reads(&options.scene)?;
+    let mut answers = plan(options, &mut outputs, &interrupt)?;
     // A bad file of rays is told before a large scene is read.
     let rays = RayReader::open(&options.rays)?;
     let shape = rays.shape().map(<[u64]>::to_vec);
     limit_threads(options.machine.threads)?;
-    let loaded = read(options.scene.as_deref(), options.strict)?;
+    let loaded = read(options.scene.as_deref(), options.strict, &mut outputs)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let device = Device::open(options.machine.device)?;
     let what = options.machine.build(&loaded.scene, &device);
@@ -38,6 +41,7 @@ pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
     caster.report().dropped.allow(options.strict)?;
     if !options.quiet {
         say::warnings(&loaded.warnings);
+        say::notes(&loaded.notes);
         say::dropped(&caster.report().dropped);
         say::fallback(&device);
         if let Some(warning) = &caster.report().warning {
@@ -68,7 +72,7 @@ pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
         },
     };
     let saving = Instant::now();
-    save(options, answers, shape.as_deref(), &interrupt)?;
+    save(options, answers, shape.as_deref(), Target { run: &outputs, interrupt: &interrupt })?;
     conclude(options, report, saving.elapsed().as_secs_f64(), start.elapsed().as_secs_f64())
 }
 
@@ -99,7 +103,7 @@ struct Seconds {
 }
 
 /// Where the answers go, once it is known that they can.
-fn plan(options: &QueryOptions, interrupt: &Interrupt) -> anyhow::Result<AnswerWriter> {
+fn plan(options: &QueryOptions, run: &mut Outputs, interrupt: &Interrupt) -> anyhow::Result<AnswerWriter> {
     let (mode, output) = (options.mode, options.output.as_path());
     anyhow::ensure!(
         options.max_hits.is_none() || matches!(mode, Mode::All | Mode::Count),
@@ -110,6 +114,7 @@ fn plan(options: &QueryOptions, interrupt: &Interrupt) -> anyhow::Result<AnswerW
         "--json and the answers cannot both go to standard output: give -o a file"
     );
     let format = format(options)?;
+    add_files(options, run)?;
     // Trying whether a file can be written makes one for a moment.
     let held = interrupt.hold();
     write::check(output)?;
@@ -117,6 +122,19 @@ fn plan(options: &QueryOptions, interrupt: &Interrupt) -> anyhow::Result<AnswerW
     AnswerWriter::new(mode, format, &spool(output)).with_context(|| {
         format!("the answers to --mode {mode} are several arrays, and a .npy file holds one: write .npz or .csv")
     })
+}
+
+/// Everything that is read and written beside the scene.
+fn add_files(options: &QueryOptions, run: &mut Outputs) -> anyhow::Result<()> {
+    match write::is_dash(&options.rays) {
+        true => run.reads_standard_input()?,
+        false => run.reads([&options.rays])?,
+    }
+    run.add(&options.output)?;
+    match options.json {
+        true => Ok(run.add(Path::new(write::STANDARD))?),
+        false => Ok(()),
+    }
 }
 
 fn format(options: &QueryOptions) -> anyhow::Result<Format> {
@@ -150,7 +168,7 @@ fn ask(
     let mut bar = Bar::new(options.quiet, Words::Query);
     let mut kernel_seconds = 0.0;
     let expected = reader.rays();
-    let pieces = Ahead::new(reader, PIECE);
+    let pieces = ReadAhead::new(reader, PIECE);
     while let Some(rays) = pieces.next()? {
         let (before, mut piece_seconds) = (answers.rays(), 0.0);
         let mut watch = |progress: Progress| {
@@ -195,26 +213,23 @@ fn save(
     options: &QueryOptions,
     mut answers: AnswerWriter,
     shape: Option<&[u64]>,
-    interrupt: &Interrupt,
+    target: Target,
 ) -> anyhow::Result<()> {
     let output = options.output.as_path();
     let bytes = answers.bytes()?;
     // A pipe may wait for its reader for ever: Ctrl-C has to work there, and leaves no file.
-    let _held = (!write::is_dash(output)).then(|| interrupt.hold());
-    write::with(output, bytes, |file| answers.write(shape, &mut interrupt.stop(file)))?;
+    let _held = (!write::is_dash(output)).then(|| target.interrupt.hold());
+    target.run.with(output, bytes, |file| answers.write(shape, &mut target.interrupt.stop(file)))?;
     Ok(())
 }
 
 fn conclude(options: &QueryOptions, mut report: Report, save_seconds: f64, total: f64) -> anyhow::Result<()> {
     report.seconds.save = save_seconds;
     if options.json {
-        say::out(format!("{}\n", serde_json::to_string_pretty(&report)?).as_bytes())?;
+        say::results(&report, true, String::new)?;
     }
     if !options.quiet {
-        let name = match write::is_dash(&options.output) {
-            true => "standard output".to_owned(),
-            false => options.output.display().to_string(),
-        };
+        let name = say::output_name(&options.output);
         say::line(&format!(
             "{name}: {} rays, {} {} on {} in {} (kernels {}, {:.1} million rays a second)",
             report.rays,

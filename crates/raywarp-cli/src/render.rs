@@ -1,21 +1,24 @@
 //! `raywarp render`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context;
+use raywarp::accel::cache::Cache;
 use raywarp::accel::Build;
 use raywarp::backend::Device;
 use raywarp::image::{Development, Layers};
 use raywarp::render::{self, Progress, Rendering, Tracer};
 use raywarp::scene::{load, Camera, LoadOptions, Loaded, RenderDefaults};
+use raywarp::write::Outputs;
 
 use crate::frames;
 use crate::interrupt::Interrupt;
 use crate::limits;
 use crate::options::{RenderOptions, StatsForm};
-use crate::output::{Plan, Results};
+use crate::output::{Plan, Results, Target};
 use crate::progress::{Bar, Words};
+use crate::provenance::{digest, Origin};
 use crate::report::{SceneCounts, Seconds, Statistics};
 use crate::say;
 
@@ -25,7 +28,9 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
         return frames::run(options, range);
     }
     let interrupt = Interrupt::install();
-    let plan = plan(options, &interrupt)?;
+    let mut outputs = Outputs::default();
+    outputs.reads(&options.scene)?;
+    let plan = plan(options, &mut outputs, &interrupt)?;
     if let Some(size) = options.size {
         // Better told before a large scene is read.
         limits::check(size, options, &plan)?;
@@ -33,7 +38,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     limit_threads(options.machine.threads)?;
 
     let start = Instant::now();
-    let loaded = read(options.scene.as_deref(), options.strict)?;
+    let loaded = read(options.scene.as_deref(), options.strict, &mut outputs)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let wishes = options.wishes().or(&loaded.scene.render);
     let region = limits::check(render::RenderOptions::from(&wishes).size, options, &plan)?;
@@ -44,7 +49,8 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let taken = shot.take(&mut |progress| bar.update(progress.done, Some(progress.total)))?;
     drop(bar);
     let saving = Instant::now();
-    plan.write(&shot.results(&taken, &shot.layers(&taken)?), &interrupt, options.quiet)?;
+    let target = Target { run: &outputs, interrupt: &interrupt };
+    plan.write(&shot.results(&taken, &shot.layers(&taken)?), target, options.quiet)?;
 
     let mut statistics = stage.statistics(region);
     statistics.add(&taken);
@@ -53,18 +59,29 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     conclude(options, &plan, &statistics, start.elapsed().as_secs_f64())
 }
 
-fn plan(options: &RenderOptions, interrupt: &Interrupt) -> anyhow::Result<Plan> {
+fn plan(options: &RenderOptions, outputs: &mut Outputs, interrupt: &Interrupt) -> anyhow::Result<Plan> {
     // Trying whether files can be written makes some for a moment.
     let _held = interrupt.hold();
-    Plan::new(options)
+    Plan::new(options, outputs)
 }
 
-/// The scene of a file, or the built-in one.
-pub fn read(path: Option<&Path>, strict: bool) -> anyhow::Result<Loaded> {
-    Ok(match path {
+/// The scene of a file, or the built-in one, once it is known that no output of the run is one of its files.
+pub fn read(path: Option<&Path>, strict: bool, run: &mut Outputs) -> anyhow::Result<Loaded> {
+    run.reads(path)?;
+    let loaded = match path {
         Some(path) => load::load(path, &LoadOptions { strict })?,
         None => load::builtin()?,
-    })
+    };
+    run.reads(&loaded.files)?;
+    run.reads(cached_trees())?;
+    Ok(loaded)
+}
+
+/// Every file of the cache of trees: which of them a scene needs is known only once it is built.
+fn cached_trees() -> Vec<PathBuf> {
+    let entries = Cache::standard().and_then(|cache| std::fs::read_dir(cache.directory()).ok());
+    let paths = entries.into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()));
+    paths.filter(|path| path.extension().is_some_and(|extension| extension == "tree")).collect()
 }
 
 /// The CPU's threads, if there is a wish.
@@ -79,6 +96,7 @@ fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: 
         return;
     }
     say::warnings(&loaded.warnings);
+    say::notes(&loaded.notes);
     say::dropped(&tracer.report().dropped);
     let aimed = options.camera.eye.is_some() && options.camera.target.is_some() || options.frames.path.is_some();
     for note in tracer.report().notes.iter().filter(|note| !(aimed && note.contains("framed"))) {
@@ -98,6 +116,8 @@ pub struct Stage<'a> {
     /// What the options and the scene ask for.
     wishes: RenderDefaults,
     loaded: &'a Loaded,
+    /// Of the scene's files.
+    digest: u128,
     device: Device,
     what: Build,
 }
@@ -113,7 +133,8 @@ impl<'a> Stage<'a> {
         tracer.report().dropped.allow(options.strict)?;
         say_notes(options, loaded, &device, &tracer);
         let camera = viewpoint.adjust(named.unwrap_or(tracer.default_camera()).clone());
-        Ok(Self { options, camera, tracer, wishes, loaded, device, what })
+        let digest = digest(&loaded.files);
+        Ok(Self { options, camera, tracer, wishes, loaded, digest, device, what })
     }
 
     /// Whether the camera's target is a point that somebody chose: a camera of glTF has a direction alone.
@@ -202,8 +223,20 @@ impl Shot<'_> {
 
     /// What the files are made of.
     pub fn results<'a>(&self, taken: &'a Taken, layers: &'a Layers) -> Results<'a> {
-        let (options, development) = (self.stage.options, Development::from(&self.stage.wishes));
-        Results::new(&taken.rendering.picture, layers, development, options.heatmap_max)
+        Results::new(&taken.rendering.picture, layers, &self.origin())
+    }
+
+    /// What the picture is made of.
+    pub fn origin(&self) -> Origin<'_> {
+        Origin {
+            scene: self.stage.options.scene.as_deref(),
+            digest: self.stage.digest,
+            options: self.library_options(false),
+            development: Development::from(&self.stage.wishes),
+            camera: self.camera,
+            layers: self.plan.layers(),
+            heatmap_max: self.stage.options.heatmap_max,
+        }
     }
 
     fn library_options(&self, count_tests: bool) -> render::RenderOptions {
@@ -218,7 +251,7 @@ impl Shot<'_> {
 /// The statistics, where they are asked for.
 pub fn say_statistics(options: &RenderOptions, statistics: &Statistics) -> anyhow::Result<()> {
     match options.stats {
-        Some(StatsForm::Json) => say::out(format!("{}\n", serde_json::to_string_pretty(statistics)?).as_bytes())?,
+        Some(StatsForm::Json) => say::results(statistics, true, String::new)?,
         Some(StatsForm::Table) => say::line(statistics.table().trim_end()),
         None => {}
     }

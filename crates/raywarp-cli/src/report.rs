@@ -47,6 +47,8 @@ pub struct FrameCounts {
     pub rendered: u32,
     /// Frames that were there already.
     pub kept: u32,
+    /// Frames among those rendered whose files were there, but of another scene or other options.
+    pub renewed: u32,
 }
 
 /// What a scene has.
@@ -214,7 +216,7 @@ impl Statistics {
         let mut table = Table::default();
         table.row("device", &self.device);
         table.row("picture", format!("{}x{}, {} samples a pixel", self.size[0], self.size[1], self.spp));
-        if let Some(FrameCounts { rendered, kept }) = self.frames {
+        if let Some(FrameCounts { rendered, kept, .. }) = self.frames {
             table.row("frames", format!("{rendered} rendered, {kept} kept"));
         }
         self.scene_rows(&mut table);
@@ -281,7 +283,7 @@ pub struct Table(pub String);
 impl Table {
     /// Adds a line.
     pub fn row(&mut self, name: &str, value: impl std::fmt::Display) {
-        // Writing to a string cannot fail.
-        let _ = writeln!(self.0, "{name:<16}{value}");
+        // A name within may hold line breaks. Writing to a string cannot fail.
+        let _ = writeln!(self.0, "{name:<16}{}", say::text(&value.to_string()));
     }
 }

@@ -1,13 +1,44 @@
 //! Words for people go to standard error, results to standard output.
 
 use std::io::{self, Write};
+use std::path::Path;
 
+use anyhow::Context;
 use raywarp::accel::Dropped;
 use raywarp::backend::Device;
+use raywarp::scene::load::quote;
+use raywarp::write;
+use serde::Serialize;
 
-/// A line on standard error. Where nobody can read it, nothing is lost.
-pub fn line(text: &str) {
-    let _ = writeln!(io::stderr().lock(), "{text}");
+/// A line, or several, on standard error. Where nobody can read it, nothing is lost. Names come from files: what a terminal
+/// would obey is taken out.
+pub fn line(lines: &str) {
+    let _ = writeln!(io::stderr().lock(), "{}", printable(lines));
+}
+
+/// Lines without anything else that a terminal would obey.
+fn printable(lines: &str) -> String {
+    lines.split('\n').map(quote::printable).collect::<Vec<_>>().join("\n")
+}
+
+/// A path for a terminal, whatever bytes are in it.
+pub fn path(path: &Path) -> String {
+    text(&path.to_string_lossy())
+}
+
+/// An output for people.
+pub fn output_name(path: &Path) -> String {
+    text(&write::name(path, "standard output"))
+}
+
+/// Text of a file for a terminal, on one line.
+pub fn text(text: &str) -> String {
+    quote::printable(text).into_owned()
+}
+
+/// What is worth knowing of a scene's files, a line each.
+pub fn notes<T: std::fmt::Display>(notes: &[T]) {
+    notes.iter().for_each(|note| line(&format!("note: {note}")));
 }
 
 /// Most warnings that are shown one by one.
@@ -50,6 +81,27 @@ pub fn out(bytes: &[u8]) -> io::Result<()> {
     output.flush()
 }
 
+/// Results on standard output: an object in JSON, or lines for people.
+///
+/// # Errors
+/// As [`out`].
+pub fn results<T: Serialize>(results: &T, json: bool, lines: impl FnOnce() -> String) -> anyhow::Result<()> {
+    let text = if json { escaped(&serde_json::to_string_pretty(results)?) + "\n" } else { printable(&lines()) };
+    out(text.as_bytes()).context("cannot write the results")
+}
+
+/// JSON whose strings hold no orders to a terminal either.
+fn escaped(json: &str) -> String {
+    let mut text = String::with_capacity(json.len());
+    for c in json.chars() {
+        match quote::garbles(c) && c != '\n' {
+            true => text.push_str(&format!("\\u{:04x}", u32::from(c))),
+            false => text.push(c),
+        }
+    }
+    text
+}
+
 /// So many of something, one of which is a `thing`.
 pub fn count(number: u32, thing: &str) -> String {
     format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
@@ -77,5 +129,20 @@ pub fn seconds(seconds: f64) -> String {
         format!("{:.1} ms", 1e3 * seconds)
     } else {
         format!("{seconds:.2} s")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_file_gives_orders_to_the_terminal() {
+        let name = "a\u{1b}[2Jb\u{9b}c\u{202e}d\u{7}";
+        assert_eq!(text(name), "a\u{fffd}[2Jb\u{fffd}c\u{fffd}d\u{fffd}");
+        assert_eq!(printable("first\nsecond\r"), "first\nsecond\u{fffd}");
+        let json = escaped(&serde_json::to_string_pretty(&[name]).unwrap());
+        assert!(json.chars().all(|c| c == '\n' || !quote::garbles(c)), "{json:?}");
+        assert_eq!(serde_json::from_str::<Vec<String>>(&json).unwrap(), [name]);
     }
 }

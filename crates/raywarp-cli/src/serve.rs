@@ -1,39 +1,76 @@
 //! `raywarp serve`.
 
+mod secret;
+
+use std::fs::File;
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::Context;
 use raywarp::backend::Device;
+use raywarp::scene::load::{load, EXTENSIONS};
+use raywarp::scene::{LoadError, LoadOptions};
 use raywarp_viewer::live::{Source, Stage};
-use raywarp_viewer::serve::{self, Server, Token};
+use raywarp_viewer::serve::{self, Server, Stopper};
 
 use crate::interrupt::{self, INTERRUPTED};
 use crate::options::ServeOptions;
 use crate::render::limit_threads;
 use crate::say;
 
+pub use secret::advise;
+
+/// Longest time from an interrupt to the end, whatever the device is at.
+const PARTING: Duration = Duration::from_millis(150);
+
 /// Shows a scene to browsers until it is interrupted.
 pub fn run(options: &ServeOptions) -> anyhow::Result<()> {
     // The port comes first: that it is taken should not be told after minutes of reading a scene.
     let server = Server::bind(settings(options)?)?;
+    check_scene(options)?;
     let machine = &options.live.machine;
     limit_threads(machine.threads)?;
     let device = Device::open(machine.device)?;
     say::fallback(&device);
+    end_on_interrupt(server.stopper());
     announce(&server, options)?;
 
-    let stopper = server.stopper();
-    interrupt::once(move || stopper.stop());
     let source = Source { path: options.scene.clone(), strict: options.strict, watch: options.watch };
     server.run(|| Stage::open(source, device, options.live.stage()))?;
     std::process::exit(INTERRUPTED)
 }
 
 fn settings(options: &ServeOptions) -> anyhow::Result<serve::ServeOptions> {
-    let token = match options.token.as_deref() {
-        Some("") => Some(Token::random()?),
-        Some(text) => Some(Token::chosen(text)?),
-        None => None,
-    };
     let (host, port, viewers) = (options.host.clone(), options.port, options.viewers as usize);
-    Ok(serve::ServeOptions { host, port, token, viewers, ..serve::ServeOptions::default() })
+    Ok(serve::ServeOptions { host, port, token: secret::token(options)?, viewers, ..serve::ServeOptions::default() })
+}
+
+/// Fails for a scene that is certainly not coming: nobody is to open an address that ends a moment later.
+fn check_scene(options: &ServeOptions) -> anyhow::Result<()> {
+    let Some(path) = &options.scene else { return Ok(()) };
+    let checked = is_missing(path);
+    if options.token && path.extension().is_none() {
+        return checked.context("--token takes no value: the secret is made at random, or comes from --token-file");
+    }
+    Ok(checked?)
+}
+
+fn is_missing(path: &Path) -> Result<(), LoadError> {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    let known = extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()));
+    if known && path.is_file() && File::open(path).is_ok() {
+        return Ok(());
+    }
+    load(path, &LoadOptions::default()).map(drop)
+}
+
+/// A launch on the device can take longer than anybody waits for the prompt.
+fn end_on_interrupt(stopper: Stopper) {
+    interrupt::once(move || {
+        stopper.stop();
+        std::thread::sleep(PARTING);
+        std::process::exit(INTERRUPTED);
+    });
 }
 
 /// The address is the result: it goes to standard output, alone.

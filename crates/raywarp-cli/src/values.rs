@@ -1,7 +1,11 @@
 //! What the arguments of options mean, and which make no sense.
 
+use std::ffi::OsStr;
+use std::marker::PhantomData;
 use std::str::FromStr;
 
+use clap::builder::{PossibleValue, TypedValueParser};
+use clap::{Arg, Command};
 use raywarp::render::MAX_SIDE;
 
 /// `WxH` in pixels.
@@ -77,6 +81,49 @@ pub fn exposure(text: &str) -> Result<f32, String> {
     ranged(text, -60.0, 60.0).ok_or_else(|| "give a number of stops from -60 to 60".to_owned())
 }
 
+/// A whole number within bounds, both included.
+pub fn whole<T>(low: u64, high: u64) -> impl Fn(&str) -> Result<T, String> + Clone
+where
+    T: TryFrom<u64>,
+{
+    move |text| {
+        let number = text.trim().parse().ok().filter(|number: &u64| (low..=high).contains(number));
+        number.and_then(|number| T::try_from(number).ok()).ok_or_else(|| match high {
+            u64::MAX => format!("give a whole number, {low} or more"),
+            _ => format!("give a whole number from {low} to {high}"),
+        })
+    }
+}
+
+/// Words that an option takes, for completions; what is given is read by [`FromStr`], which may know more.
+pub fn words<T>(words: impl IntoIterator<Item = &'static str>) -> Words<T> {
+    Words { words: words.into_iter().collect(), value: PhantomData }
+}
+
+/// See [`words`].
+#[derive(Clone)]
+pub struct Words<T> {
+    words: Vec<&'static str>,
+    value: PhantomData<fn() -> T>,
+}
+
+impl<T> TypedValueParser for Words<T>
+where
+    T: FromStr + Clone + Send + Sync + 'static,
+    T::Err: ToString,
+{
+    type Value = T;
+
+    fn parse_ref(&self, command: &Command, argument: Option<&Arg>, value: &OsStr) -> Result<T, clap::Error> {
+        let parse = |text: &str| text.parse().map_err(|error: T::Err| error.to_string());
+        parse.parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(self.words.iter().copied().map(PossibleValue::new)))
+    }
+}
+
 fn ranged<T: FromStr + PartialOrd>(text: &str, low: T, high: T) -> Option<T> {
     text.parse().ok().filter(|value| (low..=high).contains(value))
 }
@@ -104,6 +151,16 @@ mod tests {
         ] {
             assert!(size(text).is_err_and(|error| error.contains(reason)), "{text}");
         }
+    }
+
+    #[test]
+    fn whole_numbers_have_bounds_and_are_told_in_words() {
+        let port = whole::<u16>(0, 65535);
+        assert_eq!((port("8787"), port("0")), (Ok(8787), Ok(0)));
+        for text in ["70000", "-1", "1.5", "x", "", "99999999999999999999999"] {
+            assert_eq!(port(text), Err("give a whole number from 0 to 65535".to_owned()), "{text}");
+        }
+        assert_eq!(whole::<u64>(1, u64::MAX)("0"), Err("give a whole number, 1 or more".to_owned()));
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! `raywarp view`.
 
+use std::path::PathBuf;
+
 use raywarp::backend::Device;
 use raywarp_viewer::live::{Source, Stage, Viewer};
 use raywarp_viewer::window::{self, Display, WindowOptions};
@@ -19,9 +21,9 @@ pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
     let device = Device::open(options.live.machine.device)?;
     say::fallback(&device);
     let stage = Stage::open(source(options), device, options.live.stage());
-    let keep = move |name: &str, content: &[u8]| {
+    let keep = move |name: &str, content: &[u8], files: &[PathBuf]| {
         let _held = interrupt.hold();
-        window::keep(&folder, name, content)
+        window::keep(&folder, name, content, files)
     };
     let window = WindowOptions { size: options.size, fullscreen: options.fullscreen, keep: Box::new(keep) };
     Ok(display.show(stage, Viewer::new(options.size), window)?)

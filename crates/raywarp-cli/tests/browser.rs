@@ -112,17 +112,114 @@ fn two_pages_look_at_once() {
     assert!(other.get(PIXELS) == first && other.get(FRAME) == frame);
 }
 
+/// A server whose secret has all that an address cannot hold as it is.
+fn serve_secret(secret: &str) -> Server {
+    let place = Place::new();
+    place.write("scene.toml", SCENE);
+    place.write("secret", format!("{secret}\n"));
+    serve_at(place, "0", &["--token-file", "secret"])
+}
+
+const ASKED: &str = "document.getElementById('token-words').textContent.includes('token is missing or wrong') && \
+                     document.activeElement.id === 'token'";
+
 #[test]
 fn a_wrong_token_is_asked_for_again() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let Some(browser) = Browser::start() else { return };
-    let server = serve(&["--token=open-sesame"]);
-    assert!(server.url.ends_with("/#token=open-sesame"), "{}", server.url);
-    browser.open(&server.url.replace("open-sesame", "open-cesame"));
-    browser.wait("document.getElementById('token-words').textContent.includes('token is missing or wrong')");
-    browser.wait("document.activeElement.id === 'token'");
-    browser.write("open-sesame\u{e007}");
+    let server = serve_secret("open + sesame = 100 % ü");
+    let (plain, _) = server.url.split_once("#token=").unwrap();
+    browser.open(&format!("{plain}#token=open-cesame"));
+    browser.wait(ASKED);
+    browser.write("open + sesame = 100 % ü\u{e007}");
     browser.wait(OPEN);
     browser.wait(LOSSLESS);
     assert_eq!(browser.get("document.getElementById('token-form').checkVisibility()"), false);
+}
+
+#[test]
+fn the_secret_does_not_stay_in_the_address() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let Some(browser) = Browser::start() else { return };
+    let (server, other) = (serve_secret("a secret of one & only"), serve_secret("another-secret"));
+    let plain = |server: &Server| server.url.split_once("#token=").unwrap().0.to_owned();
+    browser.open(&server.url);
+    browser.wait(OPEN);
+    assert_eq!(browser.get("location.href"), plain(&server));
+    assert_eq!(browser.get("document.cookie"), "");
+    // The tab knows it still: loaded anew, and by the address alone.
+    browser.reload();
+    browser.wait(OPEN);
+    browser.open("about:blank");
+    browser.open(&plain(&server));
+    browser.wait(OPEN);
+    // A server at another port neither gets it nor takes it away.
+    browser.open(&plain(&other));
+    browser.wait(ASKED);
+    browser.get(&format!("location.assign('{}')", other.url));
+    browser.wait(OPEN);
+    assert_eq!(browser.get("location.href"), plain(&other), "an address that differs behind the # is read as well");
+    browser.open(&plain(&server));
+    browser.wait(OPEN);
+    // Who is given the address as it stands in the bar has to know the secret.
+    let copied = browser.get("location.href");
+    browser.window();
+    browser.open(copied.as_str().unwrap());
+    browser.wait(ASKED);
+}
+
+#[test]
+fn twelve_pages_at_once_have_a_picture() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let Some(browser) = Browser::start() else { return };
+    let server = serve(&[]);
+    let open = format!("open('{}', '_blank', 'popup,width=320,height=240')", server.url);
+    browser.get(&format!("Array.from({{length: 12}}, () => {open}).length"));
+    let pages: Vec<String> = browser.windows().into_iter().skip(1).collect();
+    assert_eq!(pages.len(), 12);
+    let mut times = Vec::new();
+    for page in &pages {
+        browser.switch(page);
+        browser.wait("window.raywarp?.first_picture_ms > 0");
+        times.push(browser.get("Math.round(window.raywarp.first_picture_ms)").as_u64().unwrap());
+    }
+    eprintln!("milliseconds from the opening of each page to its first picture: {times:?}");
+    browser.wait("window.raywarp.link.viewers === 12");
+}
+
+/// Whether two cards cover each other, or one leaves the window: their names.
+const COVERED: &str = "(() => {
+  const shown = [...document.querySelectorAll('.card, #bar')].filter((card) => card.checkVisibility());
+  const boxes = shown.map((card) => ({ id: card.id, box: card.getBoundingClientRect() }));
+  const outside = boxes.filter(({ box }) => box.left < 0 || box.top < 0 || box.right > innerWidth || box.bottom > innerHeight);
+  const meet = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+  const pairs = boxes.flatMap((one, i) => boxes.slice(i + 1).filter((other) => meet(one.box, other.box))
+    .map((other) => `${one.id} and ${other.id}`));
+  return [...outside.map(({ id }) => id), ...pairs];
+})()";
+
+#[test]
+fn cards_of_a_small_window_do_not_cover_each_other() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let Some(browser) = Browser::start() else { return };
+    let server = serve(&[]);
+    browser.open(&server.url);
+    browser.wait(LOSSLESS);
+    for size in [[320, 480], [499, 700], [400, 300], [700, 330]] {
+        browser.emulate(size);
+        browser.wait(&format!("innerWidth === {} && innerHeight === {}", size[0], size[1]));
+        for card in ["status", "panel", "help"] {
+            let shown = format!("document.getElementById('{card}').checkVisibility()");
+            if browser.get(&shown) != true {
+                browser.click(&format!("toggle-{card}"));
+            }
+            browser.wait(&shown);
+            assert_eq!(
+                browser.get(COVERED).as_array().map(Vec::len),
+                Some(0),
+                "{size:?} {card}: {}",
+                browser.get(COVERED)
+            );
+        }
+    }
 }

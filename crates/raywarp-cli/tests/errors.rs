@@ -21,13 +21,19 @@ fn broken_files() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("empty.ply", Vec::new(), "the first line is not 'ply'"),
         ("empty.gltf", Vec::new(), "EOF while parsing"),
         ("empty.glb", Vec::new(), "empty.glb"),
-        ("empty.toml", Vec::new(), "missing field `version`"),
+        ("empty.toml", Vec::new(), "the key 'version' is missing"),
         ("noise.obj", noise.clone(), "is not a statement"),
         ("noise.ply", noise.clone(), "the first line is not 'ply'"),
         ("noise.gltf", noise.clone(), "the JSON of glTF 2.0"),
         ("noise.glb", noise.clone(), "noise.glb"),
         ("noise.toml", noise, "no UTF-8 text"),
-        ("cut.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2".to_vec(), "cut.obj:4:6: 'f 1 2' has 2 vertices"),
+        ("cut.obj", b"v 0 0 0\nv 1 0 0\nv 0 1".to_vec(), "cut.obj:3:6: 'v 0 1' has 2 numbers"),
+        (
+            "cut.stl",
+            b"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0".to_vec(),
+            "cut.stl:4:13: the file ends within",
+        ),
+        ("noise.stl", (0..300u32).map(|i| (i * 197 + 13) as u8).collect(), "triangles are claimed"),
         ("cut.ply", binary(3), "3 rows of 'vertex'"),
         ("cut.gltf", br#"{"asset": {"version": "2.0"}, "meshes": ["#.to_vec(), "cut.gltf:1:41: EOF while parsing"),
         ("cut.glb", glb(1000), "a length of 1000 bytes in a file of 32"),
@@ -43,7 +49,7 @@ fn broken_files() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             SCENE.replace("[[0, 1, 2]]", "[[0, 1, 7]]").into(),
             "the vertex index 7; expected one from 0 to 2",
         ),
-        ("nan.toml", SCENE.replace("[0, 1, 0]]", "[0, nan, 0]]").into(), "floating point `NaN`"),
+        ("nan.toml", SCENE.replace("[0, 1, 0]]", "[0, nan, 0]]").into(), "the number NaN"),
     ]
 }
 
@@ -89,6 +95,23 @@ fn broken_files_are_errors_that_name_the_file_and_leave_nothing() {
 }
 
 #[test]
+fn names_from_files_do_not_command_the_terminal() {
+    let place = Place::new();
+    place.write("a.obj", format!("o \u{1b}[31mred\n{TRIANGLE}usemtl \u{1b}c\nl 1 2\n\u{1b}]0;title\u{7}\n"));
+    let run = place.run(&["info", "a.obj"]).succeeds();
+    let shown = format!("{}{}", run.out(), run.err());
+    assert!(shown.contains("red") && !shown.contains(|c: char| c.is_control() && c != '\n'), "{shown:?}");
+}
+
+#[test]
+fn digits_that_are_lost_are_a_note_and_strict_lets_it_pass() {
+    let place = Place::new();
+    place.write("far.obj", "v 4500000.123 0 0\nv 4500001 0 0\nv 4500000 1 0\nf 1 2 3\n");
+    let run = place.render(&["far.obj", "--size", "8x8", "--strict"]).succeeds();
+    assert!(run.err().contains("note: far.obj: positions lose up to 1.23e-1 scene units"), "{}", run.err());
+}
+
+#[test]
 fn what_can_be_dropped_is_a_warning_and_with_strict_an_error() {
     let place = Place::new();
     place.write("nan.obj", TRIANGLE.replacen("v 0 0 0", "v 0 0 nan", 1));
@@ -101,8 +124,16 @@ fn what_can_be_dropped_is_a_warning_and_with_strict_an_error() {
     place.write("no_texture.mtl", "newmtl m\nmap_Kd none.png\n");
     place.write("no_texture.toml", SCENE.replace("diffuse = 0", "diffuse_map = \"none.png\""));
     place.write("empty.obj", "");
+    place.write("edge.obj", format!("{TRIANGLE}f 1 2\n"));
+    place.write("normal.obj", TRIANGLE.replace("1 2 3", "1//1 2//1 3//1"));
+    place.write("foreign.obj", format!("$ what\n{TRIANGLE}"));
+    place.write("longer.ply", ply("0 0 0 7", "3 0 1 2"));
     for (name, sentence) in [
         ("nan.obj", "not finite"),
+        ("edge.obj", "fewer than 3 corners"),
+        ("normal.obj", "names normals that the file lacks"),
+        ("foreign.obj", "is not a statement of OBJ"),
+        ("longer.ply", "more values than the header declares"),
         ("inf.obj", "not finite"),
         ("nan.ply", "not finite"),
         ("nan.gltf", "not finite"),
@@ -221,9 +252,9 @@ fn impossible_options_are_refused() {
     let place = Place::new();
     place.write("scene.toml", SCENE);
     for (arguments, sentence) in [
-        (&["--spp", "0"] as &[&str], "0 is not in 1..="),
-        (&["--max-depth", "17"], "17 is not in 0..=16"),
-        (&["--max-depth=-1"], "-1 is not in 0..=16"),
+        (&["--spp", "0"] as &[&str], "give a whole number from 1 to 1048576"),
+        (&["--max-depth", "17"], "give a whole number from 0 to 16"),
+        (&["--max-depth=-1"], "give a whole number from 0 to 16"),
         (&["--accel", "octree"], "octree"),
         (&["--device", "tpu"], "give auto, cpu, cuda or cuda:N"),
         (&["--fov", "180"], "from 0.001 to 179 degrees"),
@@ -235,10 +266,10 @@ fn impossible_options_are_refused() {
         (&["--heatmap-max", "5"], "--heatmap <FILE>"),
         (&["--crop", "5,5,5,9"], "it holds no pixels"),
         (&["--crop", "0,0,9,9", "--size", "8x8"], "leaves the picture of 8x8 pixels"),
-        (&["--threads", "0"], "0 is not in 1..=4096"),
+        (&["--threads", "0"], "give a whole number from 1 to 4096"),
         (&["--camera", "side"], "there is no camera 'side'; the scene has 0 'near', 1 'away'"),
         (&["--camera", "2"], "there is no camera '2'"),
-        (&["--eye", "0,0,0", "--target", "0,0,0"], "stands on its own target"),
+        (&["--eye", "0,0,0", "--target", "0,0,0"], "the camera 'near' stands on its own target"),
         (&["--stats=xml"], "[possible values: table, json]"),
         (&["--szie", "8x8"], "a similar argument exists: '--size'"),
     ] {

@@ -120,7 +120,7 @@ fn frames_that_are_there_are_kept() {
         place.write(name, [head, b"\0\0\0\x03tEXta\0b\x07\x5c\x95\x4c", rest].concat());
     };
     marked.iter().for_each(|name| mark(name));
-    let is_marked = |name: &str| std::fs::read(place.path(name)).unwrap()[37..41] == *b"tEXt";
+    let is_marked = |name: &str| std::fs::read(place.path(name)).unwrap()[37..44] == *b"tEXta\0b";
     frames(&[]).says("#.png, #.exr: 0 frames of 16x12 pixels").says("; 4 were there already and are kept");
 
     // Missing, cut off, empty, and missing beside the picture.
@@ -139,9 +139,61 @@ fn frames_that_are_there_are_kept() {
 
     frames(&["--overwrite"]).says("4 frames of 16x12");
     assert!(!is_marked("3.png"));
-    render(&place, &["--frames", "1..4", "--orbit", "-o", "#.png", "--crop", "0,0,8,8"])
-        .fails(2, "1.png is there, of 16x12 pixels instead of 8x8");
-    render(&place, &["--frames", "1..4", "--orbit", "-o", "#.exr", "--crop", "0,0,8,8"]).fails(2, "1.exr is there");
+}
+
+#[test]
+fn frames_of_other_options_or_another_scene_are_made_anew_and_others_pictures_are_not() {
+    let place = place();
+    for ending in ["png", "exr"] {
+        let output = format!("#.{ending}");
+        let words = ["--frames", "1..4", "--orbit", "-o", &output];
+        let frames = |more: &[&str]| render(&place, &[&words as &[&str], more].concat());
+        let made = |name: &str| std::fs::read(place.path(name)).unwrap();
+        let second = format!("2.{ending}");
+        frames(&[]).succeeds();
+        let usual = made(&second);
+        for more in [&["--samples", "2"] as &[&str], &["--crop", "0,0,8,8"], &["--orbit=180"], &["--seed", "7"], &[]] {
+            let words: Vec<_> =
+                words.iter().filter(|word| more != ["--orbit=180"] || **word != "--orbit").copied().collect();
+            let run = render(&place, &[&words, more].concat()).says("4 were there of another scene or other options");
+            assert!(!run.err().contains("kept"), "{}", run.err());
+        }
+        assert_eq!(made(&second), usual);
+        frames(&["--threads", "1", "--accel", "kd"]).says("0 frames").says("4 were there already");
+        // The scene changes.
+        place.write("scene.toml", format!("{SCENE}{PATHS}").replace("[0.5, 0, 0]", "[0, 0.5, 0]"));
+        frames(&[]).says("4 were there of another scene");
+        assert_ne!(made(&second), usual);
+        place.write("scene.toml", format!("{SCENE}{PATHS}"));
+        // Cut short or damaged anywhere.
+        frames(&[]).succeeds();
+        for length in [usual.len() - 1, usual.len() / 2, 100, 0] {
+            place.write(&second, &usual[..length]);
+            frames(&[]).says("1 frame of").says("3 were there already");
+            assert_eq!(made(&second), usual, "{length}");
+        }
+    }
+    // Whose is a picture that does not say how it was made?
+    image::RgbImage::new(3, 3).save(place.path("1.png")).unwrap();
+    render(&place, &["--frames", "1..4", "--orbit", "-o", "#.png"])
+        .fails(2, "1.png is there, of 3x3 pixels instead of 16x12");
+}
+
+#[test]
+fn a_picture_tells_how_to_make_it_again() {
+    let place = place();
+    render(&place, &["--eye", "0.1,-2,3", "--samples", "3", "-o", "a.png", "-o", "a.exr"]).succeeds();
+    let reader = png::Decoder::new(BufReader::new(std::fs::File::open(place.path("a.png")).unwrap())).read_info();
+    let texts = reader.unwrap().info().utf8_text.clone();
+    let text = |keyword: &str| texts.iter().find(|text| text.keyword == keyword).unwrap().get_text().unwrap();
+    assert!(text("Software").starts_with("raywarp "));
+    let comment = text("Comment");
+    assert!(comment.starts_with("raywarp render scene.toml --size 16x12 --samples 3 "), "{comment}");
+    let exr = std::fs::read(place.path("a.exr")).unwrap();
+    assert!(exr.windows(comment.len()).any(|bytes| bytes == comment.as_bytes()));
+    let words: Vec<_> = comment.split(' ').skip(2).chain(["-o", "again.png"]).collect();
+    place.render(&words).succeeds();
+    assert_eq!(std::fs::read(place.path("again.png")).unwrap(), std::fs::read(place.path("a.png")).unwrap());
 }
 
 #[test]

@@ -52,3 +52,21 @@ fn manual_pages_are_written_for_every_command() {
 fn the_version_is_that_of_the_package() {
     assert_eq!(help(&["--version"]), format!("raywarp {}\n", env!("CARGO_PKG_VERSION")));
 }
+
+#[test]
+fn completions_know_what_options_take() {
+    let place = Place::new();
+    let bash = place.run(&["completions", "bash"]).succeeds().out();
+    for values in [
+        "auto cpu cuda",
+        "brute staged kd kdsah kdtrail",
+        "fast medium high",
+        "clamp filmic",
+        "depth normal albedo",
+        "closest any count all",
+        "npz npy csv",
+        "table json",
+    ] {
+        assert!(bash.contains(values), "{values}");
+    }
+}

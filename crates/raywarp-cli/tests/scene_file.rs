@@ -77,9 +77,9 @@ fn an_edited_scene_that_was_saved_is_the_picture_of_one_written_by_hand() {
     for (scene, picture) in [("hand.toml", "hand.png"), ("saved.toml", "saved.png"), ("scene.toml", "scene.png")] {
         place.render(&[scene, "-o", picture]).succeeds();
     }
-    let bytes = |name: &str| std::fs::read(place.path(name)).unwrap();
-    assert!(bytes("hand.png") == bytes("saved.png"));
-    assert!(bytes("hand.png") != bytes("scene.png"));
+    let pixels = |name: &str| png(&place.path(name));
+    assert!(pixels("hand.png") == pixels("saved.png"));
+    assert!(pixels("hand.png") != pixels("scene.png"));
     place.run(&["info", "saved.toml"]).succeeds();
 }
 
@@ -89,15 +89,14 @@ fn the_built_in_scene_is_a_base() {
     place.write("scene.toml", "version = 1\nbase = \"built-in\"\n");
     place.render(&["scene.toml", "-o", "a.png", "--size", "48x27"]).succeeds();
     place.render(&["-o", "b.png", "--size", "48x27"]).succeeds();
-    let bytes = |name: &str| std::fs::read(place.path(name)).unwrap();
-    assert!(bytes("a.png") == bytes("b.png"));
+    assert!(png(&place.path("a.png")) == png(&place.path("b.png")));
 }
 
 #[test]
 fn info_counts_what_edits_name_by_number() {
     let place = place();
     let run = place.run(&["info", "scene.toml"]).succeeds();
-    for part in ["1: 0 ''", "  0 red", "size 40x30, spp 2, shadows off, exposure 1, accel kd"] {
+    for part in ["1: 0 ''", "  0 red", "size 40x30, samples 2, shadows off, exposure 1, accel kd"] {
         assert!(run.out().contains(part), "{}", run.out());
     }
 }

@@ -1,6 +1,7 @@
 //! Surfaces as data: the Phong model with mirror reflection and refraction.
 
-use crate::math::Vec3;
+use crate::arch;
+use crate::math::{exp2, vec3, Vec3};
 
 /// Bits of [`Material::flags`].
 pub mod flags {
@@ -14,6 +15,14 @@ pub mod flags {
     pub const BLEND: u32 = 8;
     /// The normal map holds heights, not normals.
     pub const HEIGHT: u32 = 16;
+    /// A texture of it is laid out by the second set of texture coordinates.
+    pub const SECOND_UVS: u32 = 32;
+    /// Seen from outside alone.
+    pub const SINGLE_SIDED: u32 = 64;
+    /// What tints `diffuse` tints `specular` and `reflection` too.
+    pub const METALLIC: u32 = 128;
+    /// `absorption` is not zero.
+    pub const VOLUME: u32 = 256;
 }
 
 /// See `raywarp::scene::Material` for the meaning of each field.
@@ -44,6 +53,8 @@ pub struct Material {
     pub transmission: Vec3,
     /// Scale of the normal map.
     pub bump: f32,
+    /// Of radiance inside, `2^(-absorption length)` is left.
+    pub absorption: Vec3,
     /// Index of the texture of each kind, or `NO_TEXTURE`: diffuse.
     pub diffuse_map: u32,
     /// Specular.
@@ -54,4 +65,15 @@ pub struct Material {
     pub opacity_map: u32,
     /// Normals or heights.
     pub normal_map: u32,
+}
+
+impl Material {
+    /// What is left of radiance after some length inside, which may be infinite: Beer's law.
+    #[inline(always)]
+    pub fn transmittance(&self, length: f32) -> Vec3 {
+        // Finite, as zero times infinity is nothing; below 2^-126 there is nothing left.
+        let length = arch::min(length, f32::MAX);
+        let left = |absorption: f32| exp2(-arch::min(absorption * length, 127.0));
+        vec3(left(self.absorption.x), left(self.absorption.y), left(self.absorption.z))
+    }
 }

@@ -6,7 +6,7 @@ use crate::light::Light;
 use crate::material::{flags, Material};
 use crate::math::{vec3, Vec3};
 use crate::ray::{Hit, Ray};
-use crate::texture::{Textures, NO_TEXTURE};
+use crate::texture::{mode, Textures, NO_TEXTURE};
 use crate::view::View;
 
 /// A triangle of the scene, as shading reads it.
@@ -31,6 +31,8 @@ pub struct Scene {
     pub normals: View<Vec3>,
     /// Texture coordinates a vertex, or none at all.
     pub uvs: View<[f32; 2]>,
+    /// Second texture coordinates a vertex, or none at all.
+    pub second_uvs: View<[f32; 2]>,
     /// Linear RGBA a vertex, or none at all.
     pub colors: View<[f32; 4]>,
     /// Tangent and handedness a vertex (zero: derived from the texture coordinates), or none at all.
@@ -60,7 +62,7 @@ pub struct Surface {
     pub outside: bool,
     /// How far a ray must start off the surface, along `geometric`, not to meet it by rounding.
     pub offset: f32,
-    /// Texture coordinates.
+    /// Texture coordinates of the first set.
     pub uv: [f32; 2],
     /// Colour that multiplies the diffuse reflectance.
     pub tint: Vec3,
@@ -131,6 +133,18 @@ impl Reach {
     }
 }
 
+/// Unit normal of a triangle, on the side from which its vertices run counter-clockwise.
+#[inline(always)]
+fn outward(p0: Vec3, p1: Vec3, p2: Vec3) -> Vec3 {
+    (p1 - p0).cross(p2 - p0).normalize()
+}
+
+/// Whether a ray meets the side that a normal is on.
+#[inline(always)]
+fn faces(normal: Vec3, ray: &Ray) -> bool {
+    normal.dot(ray.direction) <= 0.0
+}
+
 impl Scene {
     /// The material of a triangle.
     #[inline(always)]
@@ -145,6 +159,24 @@ impl Scene {
         self.ambient.max(self.background.radiance(direction))
     }
 
+    /// What a ray that enters a triangle's surface is inside of: one more than the index of its material. Materials beyond
+    /// the first 2^24 do not absorb.
+    #[inline(always)]
+    pub fn medium(&self, primitive: u32) -> u32 {
+        let medium = self.primitives.load(primitive).material + 1;
+        if medium < 1 << 24 {
+            medium
+        } else {
+            0
+        }
+    }
+
+    /// The material of a medium, which is not 0.
+    #[inline(always)]
+    pub fn material_of_medium(&self, medium: u32) -> &Material {
+        self.materials.item(medium - 1)
+    }
+
     #[inline(always)]
     fn corners(&self, hit: &Hit) -> Corners {
         let vertices = self.primitives.load(hit.primitive).vertices;
@@ -156,8 +188,8 @@ impl Scene {
     pub fn surface(&self, ray: &Ray, hit: &Hit, material: &Material) -> Surface {
         let corners = self.corners(hit);
         let [p0, p1, p2] = corners.vertices.map(|vertex| self.positions.at(vertex));
-        let outward = (p1 - p0).cross(p2 - p0).normalize();
-        let outside = outward.dot(ray.direction) <= 0.0;
+        let outward = outward(p0, p1, p2);
+        let outside = faces(outward, ray);
         let side = if outside { 1.0 } else { -1.0 };
         let (uv, tint, coverage) = self.coating(&corners, material);
         let mut normal = self.shading_normal(&corners, outward);
@@ -188,11 +220,13 @@ impl Scene {
             (tint, coverage) = (vec3(r, g, b), coverage * a);
         }
         if material.diffuse_map != NO_TEXTURE {
-            let texel = self.textures.sample(material.diffuse_map, uv[0], uv[1]);
+            let [u, v] = self.laid_out(corners, material, material.diffuse_map, uv);
+            let texel = self.textures.sample(material.diffuse_map, u, v);
             (tint, coverage) = (tint * texel.color, coverage * texel.alpha);
         }
         if material.opacity_map != NO_TEXTURE {
-            coverage *= self.textures.sample(material.opacity_map, uv[0], uv[1]).color.x;
+            let [u, v] = self.laid_out(corners, material, material.opacity_map, uv);
+            coverage *= self.textures.sample(material.opacity_map, u, v).color.x;
         }
         let coverage = if material.flags & flags::MASK != 0 {
             if coverage >= material.cutoff {
@@ -206,6 +240,45 @@ impl Scene {
             1.0
         };
         (uv, tint, coverage)
+    }
+
+    /// Texture coordinates by which a texture of the material is laid out, given those of the first set.
+    #[inline(always)]
+    fn laid_out(&self, corners: &Corners, material: &Material, map: u32, first: [f32; 2]) -> [f32; 2] {
+        match self.uses_second(material, map) {
+            true => corners.mix_array(&self.second_uvs),
+            false => first,
+        }
+    }
+
+    /// As [`laid_out`](Self::laid_out), at a hit.
+    #[inline(always)]
+    pub fn coordinates(&self, hit: &Hit, material: &Material, map: u32, first: [f32; 2]) -> [f32; 2] {
+        match self.uses_second(material, map) {
+            true => self.corners(hit).mix_array(&self.second_uvs),
+            false => first,
+        }
+    }
+
+    /// Whether a texture is laid out by the second set. The material is asked first: of most the textures need not be.
+    #[inline(always)]
+    fn uses_second(&self, material: &Material, map: u32) -> bool {
+        material.flags & flags::SECOND_UVS != 0
+            && self.textures.list.item(map).mode & mode::SECOND_UVS != 0
+            && !self.second_uvs.is_empty()
+    }
+
+    /// Whether a ray meets a triangle from inside, to which its vertices run clockwise.
+    #[inline(always)]
+    pub fn is_inside(&self, ray: &Ray, hit: &Hit) -> bool {
+        let [p0, p1, p2] = self.primitives.load(hit.primitive).vertices.map(|vertex| self.positions.at(vertex));
+        !faces(outward(p0, p1, p2), ray)
+    }
+
+    /// What tints the diffuse reflectance at a hit.
+    #[inline(always)]
+    pub fn tint(&self, hit: &Hit, material: &Material) -> Vec3 {
+        self.coating(&self.corners(hit), material).1
     }
 
     /// Coverage at a hit: 0 for a hole.
@@ -238,8 +311,10 @@ impl Scene {
 
     /// The shading normal after the normal map.
     #[inline(always)]
-    fn bend(&self, corners: &Corners, normal: Vec3, [u, v]: [f32; 2], material: &Material) -> Vec3 {
-        let Some((tangent, bitangent)) = self.frame(corners, normal) else { return normal };
+    fn bend(&self, corners: &Corners, normal: Vec3, uv: [f32; 2], material: &Material) -> Vec3 {
+        let uvs = if self.uses_second(material, material.normal_map) { &self.second_uvs } else { &self.uvs };
+        let [u, v] = self.laid_out(corners, material, material.normal_map, uv);
+        let Some((tangent, bitangent)) = self.frame(corners, normal, uvs) else { return normal };
         let (x, y, z) = if material.flags & flags::HEIGHT != 0 {
             let (right, up) = self.textures.slope(material.normal_map, u, v);
             (-right, -up, 1.0)
@@ -259,14 +334,14 @@ impl Scene {
 
     /// Unit vectors along which u and v grow, at right angles to the normal; none where the mesh does not say.
     #[inline(always)]
-    fn frame(&self, corners: &Corners, normal: Vec3) -> Option<(Vec3, Vec3)> {
+    fn frame(&self, corners: &Corners, normal: Vec3, uvs: &View<[f32; 2]>) -> Option<(Vec3, Vec3)> {
         let (mut tangent, mut handedness) = (Vec3::ZERO, 1.0);
         if !self.tangents.is_empty() {
             let [x, y, z, w] = corners.mix_array(&self.tangents);
             (tangent, handedness) = (vec3(x, y, z), w);
         }
         if tangent.is_zero() {
-            (tangent, handedness) = self.derived_tangent(corners)?;
+            (tangent, handedness) = self.derived_tangent(corners, uvs)?;
         }
         let tangent = normal.mul_add(-normal.dot(tangent), tangent).normalize();
         let sign = if handedness < 0.0 { -1.0 } else { 1.0 };
@@ -275,12 +350,12 @@ impl Scene {
 
     /// The direction in which u grows over the triangle, and whether (u, v) is mirrored on it.
     #[inline(always)]
-    fn derived_tangent(&self, corners: &Corners) -> Option<(Vec3, f32)> {
-        if self.uvs.is_empty() {
+    fn derived_tangent(&self, corners: &Corners, uvs: &View<[f32; 2]>) -> Option<(Vec3, f32)> {
+        if uvs.is_empty() {
             return None;
         }
         let [p0, p1, p2] = corners.vertices.map(|vertex| self.positions.at(vertex));
-        let [t0, t1, t2] = corners.vertices.map(|vertex| self.uvs.at(vertex));
+        let [t0, t1, t2] = corners.vertices.map(|vertex| uvs.at(vertex));
         let (du1, dv1, du2, dv2) = (t1[0] - t0[0], t1[1] - t0[1], t2[0] - t0[0], t2[1] - t0[1]);
         let area = arch::fma(du1, dv2, -(du2 * dv1));
         let tangent = ((p1 - p0) * dv2 - (p2 - p0) * dv1) * if area < 0.0 { -1.0 } else { 1.0 };

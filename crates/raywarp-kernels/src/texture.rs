@@ -21,6 +21,8 @@ pub mod mode {
     pub const NEAREST: u32 = 16;
     /// Red, green and blue are decoded from sRGB before they are mixed.
     pub const SRGB: u32 = 32;
+    /// Laid out by the second set of texture coordinates of a mesh.
+    pub const SECOND_UVS: u32 = 64;
     /// Three bits from here: 0 for colour as it is, else the channel that is spread: 1 red, 2 green, 3 blue, 4 alpha,
     /// 5 luminance.
     pub const CHANNEL_SHIFT: u32 = 8;

@@ -5,6 +5,7 @@
 
 mod background;
 mod camera;
+pub mod deform;
 mod image;
 mod light;
 pub mod load;
@@ -23,7 +24,7 @@ pub use camera::{degrees, radians, Camera, Projection};
 pub use image::Image;
 pub use light::{Light, LightKind};
 pub use load::{LoadError, LoadOptions, Loaded, Warning};
-pub use material::{AlphaMode, Channel, Filter, Material, NormalMap, Texture, Wrap};
+pub use material::{AlphaMode, Channel, Filter, Material, NormalMap, Texture, UvSet, Wrap};
 pub use mesh::{Instance, Mesh, Transform};
 pub use path::{CameraKey, CameraPath, PathError};
 pub use settings::RenderDefaults;

@@ -29,12 +29,21 @@ pub struct Material {
     /// tinted by `reflection` if that has a colour, and lets the rest through, tinted by `transmission`. Every other
     /// surface mirrors `reflection` at normal incidence and more at grazing angles (Schlick 1994).
     pub fresnel: bool,
+    /// What a ray loses within the closed surface, per scene unit and channel, 0 or more: of radiance that travels a length
+    /// `d` inside, `exp(-absorption d)` is left (Beer's law). Only for what bends or passes rays by `transmission`.
+    pub absorption: [f32; 3],
     /// Coverage from 0 to 1: what is not covered shows what lies straight behind.
     pub opacity: f32,
     /// What `opacity` times its texture means.
     pub alpha: AlphaMode,
     /// Shows `diffuse` as it is, without light or shadow (MTL illum 0, KHR_materials_unlit).
     pub unlit: bool,
+    /// Pictures show it only from outside, where its vertices run counter-clockwise: camera rays, mirrored and refracted
+    /// ones pass through from behind. Its shadow falls from either side, as it does in viewers that cull, and queries
+    /// meet both sides. A surface that transmits is always seen from both, for rays must leave it.
+    pub single_sided: bool,
+    /// It is a metal: what tints `diffuse`, texture and colours of vertices, tints `specular` and `reflection` as well.
+    pub metallic: bool,
     /// Multiplies `diffuse` and `ambient`; its alpha multiplies `opacity` unless `alpha` is opaque.
     pub diffuse_map: Option<Texture>,
     /// Multiplies `specular`.
@@ -60,9 +69,12 @@ impl Default for Material {
             transmission: [0.0; 3],
             ior: 1.0,
             fresnel: false,
+            absorption: [0.0; 3],
             opacity: 1.0,
             alpha: AlphaMode::Opaque,
             unlit: false,
+            single_sided: false,
+            metallic: false,
             diffuse_map: None,
             specular_map: None,
             emission_map: None,
@@ -89,6 +101,8 @@ pub enum AlphaMode {
 pub struct Texture {
     /// Index into [`Scene::images`](super::Scene::images).
     pub image: u32,
+    /// Which of the mesh's texture coordinates it is laid out by.
+    pub uv_set: UvSet,
     /// The colour channels are sRGB and are decoded before filtering. Alpha never is.
     pub srgb: bool,
     /// What happens outside of [0, 1], along u and along v.
@@ -110,6 +124,7 @@ impl Texture {
     pub fn new(image: u32, srgb: bool) -> Self {
         Self {
             image,
+            uv_set: UvSet::First,
             srgb,
             wrap: [Wrap::Repeat; 2],
             filter: Filter::Bilinear,
@@ -119,6 +134,16 @@ impl Texture {
             gain: 1.0,
         }
     }
+}
+
+/// One of the sets of texture coordinates of a mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UvSet {
+    /// [`Mesh::uvs`](super::Mesh::uvs).
+    #[default]
+    First,
+    /// [`Mesh::second_uvs`](super::Mesh::second_uvs).
+    Second,
 }
 
 /// Texture coordinates outside of [0, 1].

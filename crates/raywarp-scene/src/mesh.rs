@@ -11,9 +11,12 @@ pub struct Mesh {
     pub normals: Vec<[f32; 3]>,
     /// Texture coordinates, one a vertex, (0, 0) at the lower left of the image (v up); or empty.
     pub uvs: Vec<[f32; 2]>,
+    /// A second set of texture coordinates, one a vertex, as `uvs`; or empty: then (0, 0) everywhere.
+    pub second_uvs: Vec<[f32; 2]>,
     /// Linear RGBA that multiplies the diffuse colour and the opacity, one a vertex; or empty.
     pub colors: Vec<[f32; 4]>,
-    /// Unit tangent and handedness (+1 or -1), one a vertex; or empty: then derived from `uvs` where a normal map asks.
+    /// Unit tangent and handedness (+1 or -1), one a vertex; or empty: then derived from the texture
+    /// coordinates of a normal map where there is one.
     pub tangents: Vec<[f32; 4]>,
     /// Vertex indices, counter-clockwise seen from outside. All are below `positions.len()`.
     pub triangles: Vec<[u32; 3]>,

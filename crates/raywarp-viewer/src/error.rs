@@ -4,6 +4,7 @@ use raywarp::accel::Unhittable;
 use raywarp::backend::DeviceError;
 use raywarp::image::ImageError;
 use raywarp::render::RenderError;
+use raywarp::scene::save::SaveError;
 use raywarp::scene::{LoadError, UnknownCamera};
 
 /// Why there is nothing to see.
@@ -28,6 +29,9 @@ pub enum ViewerError {
     /// Work beside the loop ended without a result.
     #[error("{0} failed without a word: this is a fault of raywarp; please report what the terminal says")]
     Lost(&'static str),
+    /// The scene cannot be saved.
+    #[error(transparent)]
+    Save(#[from] SaveError),
     /// The picture cannot be encoded.
     #[error(transparent)]
     Image(#[from] ImageError),

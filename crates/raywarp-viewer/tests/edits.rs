@@ -115,7 +115,7 @@ impl Session {
     }
 
     fn set(&mut self, id: &str, value: Value) {
-        assert_eq!(self.handle(Event::Set { id: id.to_owned(), value }), []);
+        assert!(self.handle(Event::Set { id: id.to_owned(), value }).is_empty());
     }
 
     fn reset(&mut self, id: &str) {
@@ -277,13 +277,13 @@ fn a_saved_scene_shows_what_was_saved() {
     session.handle(Event::Wheel { notches: 2.0 });
     let shown = session.rest();
     let outcome = session.ctrl("s");
-    let [Outcome::File { name, content, media_type: "application/toml" }] = &outcome[..] else {
+    let [Outcome::File(export)] = &outcome[..] else {
         panic!("{outcome:?} {:?}", session.viewer.status(&session.stage).notice)
     };
-    assert_eq!(name, "scene-edited.toml");
+    assert_eq!((export.name.as_str(), export.media_type), ("scene-edited.toml", "application/toml"));
     // It names the original from the folder that this program runs in.
     let here = std::env::current_dir().unwrap().join(format!("edits-test-{}.toml", std::process::id()));
-    fs::write(&here, content).unwrap();
+    fs::write(&here, export.make().unwrap()).unwrap();
     let again = Session::open(Source { path: Some(here.clone()), ..Source::default() }, StageOptions::default()).rest();
     fs::remove_file(&here).unwrap();
     assert!(again == shown);

@@ -142,14 +142,31 @@ fn keys_ask_for_files_texts_and_the_end() {
     let mut session = Session::new(StageOptions::default());
     assert!(session.key("F12", true).is_empty(), "there is no picture yet");
     let picture = session.settle().pop().unwrap();
-    let [Outcome::File { content, media_type: "image/png", .. }] = &session.key("F12", true)[..] else { panic!() };
-    let decoded = image::load_from_memory(content).unwrap().to_rgba8();
+    let asked = session.key("F12", true);
+    let [Outcome::File(export)] = &asked[..] else { panic!("{asked:?}") };
+    assert_eq!((export.name.as_str(), export.media_type), ("raywarp.png", "image/png"));
+    let decoded = image::load_from_memory(&export.make().unwrap()).unwrap().to_rgba8();
     assert!(decoded.into_raw() == picture.rgba);
     let ctrl = Modifiers { ctrl: true, ..Modifiers::default() };
     let copied = session.handle(Event::Key { key: "c".to_owned(), down: true, modifiers: ctrl });
     assert!(matches!(&copied[..], [Outcome::Copy(flags)] if flags.starts_with("--eye ")), "{copied:?}");
     let quit = session.handle(Event::Key { key: "q".to_owned(), down: true, modifiers: ctrl });
-    assert_eq!(quit, [Outcome::Quit]);
+    assert!(matches!(quit[..], [Outcome::Quit]), "{quit:?}");
+}
+
+#[test]
+fn a_viewer_has_one_file_on_its_way() {
+    let mut session = Session::new(StageOptions::default());
+    session.settle();
+    let mut asked = session.key("F12", true);
+    let Some(Outcome::File(export)) = asked.pop() else { panic!("{asked:?}") };
+    let ticket = export.ticket();
+    drop(export);
+    assert!(session.key("F12", true).is_empty(), "it is made, and not yet where it belongs");
+    let notice = session.viewer.status(&session.stage).notice.unwrap();
+    assert!(notice.error && notice.text.contains("still on its way"), "{notice:?}");
+    drop(ticket);
+    assert!(matches!(session.key("F12", true)[..], [Outcome::File(_)]));
 }
 
 #[test]

@@ -4,8 +4,8 @@ use raywarp::accel::AccelKind;
 use raywarp::backend::{Device, DeviceChoice};
 use raywarp::render::{RenderOptions, Tracer};
 use raywarp::scene::{
-    AlphaMode, Background, Camera, Image, Instance, Light, LightKind, Material, Mesh, NormalMap, Projection, Scene,
-    Texture, Transform, Wrap,
+    AlphaMode, Background, Camera, Filter, Image, Instance, Light, LightKind, Material, Mesh, NormalMap, Projection,
+    Scene, Texture, Transform, UvSet, Wrap,
 };
 
 /// A camera above the origin that looks straight down on y = 0, with x to the right.
@@ -102,6 +102,19 @@ fn ambient_and_emission_add_up_and_unlit_ignores_lights() {
     plane.materials = vec![Material { unlit: true, ..matt(0.3) }];
     plane.lights = vec![point([0.0, 5.0, 0.0], 100.0)];
     assert_close(seen(&plane, &camera_above(10.0, [0.0; 3]), 0), 0.3);
+}
+
+/// Programs write any ambient colour, white or black, for a light that they do not know: the built-in one.
+#[test]
+fn built_in_ambient_light_is_reflected_as_diffuse_light_is() {
+    let picture = |ambient: [f32; 3]| {
+        let mut plane = scene(vec![square(0.0, 50.0, 0)], vec![Material { ambient, ..matt(0.5) }], vec![]);
+        plane.ambient = None;
+        seen(&plane, &camera_above(10.0, [0.0; 3]), 0)
+    };
+    assert_eq!(picture([1.0; 3]), picture([0.5; 3]));
+    assert_eq!(picture([0.0; 3]), picture([0.5; 3]));
+    assert_close(picture([1.0; 3]), 0.5 * 0.05);
 }
 
 #[test]
@@ -356,4 +369,140 @@ fn interpolated_normals_shade_a_flat_triangle_like_the_sphere() {
 fn normalized([x, y, z]: [f32; 3]) -> [f32; 3] {
     let length = (x * x + y * y + z * z).sqrt();
     [x / length, y / length, z / length]
+}
+
+#[test]
+fn each_texture_reads_its_own_set_of_coordinates() {
+    // Left half black, right half white; the first set shows the left, the second the right.
+    let mut mesh = square(0.0, 1.0, 0);
+    (mesh.uvs, mesh.second_uvs) = (vec![[0.25, 0.5]; 4], vec![[0.75, 0.5]; 4]);
+    let texture = |uv_set| Some(Texture { uv_set, filter: Filter::Nearest, ..Texture::new(0, false) });
+    let show = |material: Material| {
+        let sun = Light { kind: LightKind::Directional { direction: [0.0, -1.0, 0.0] }, ..Light::default() };
+        let mut plane = scene(vec![mesh.clone()], vec![material], vec![sun]);
+        plane.images = vec![image(2, |x| [255 * x as u8; 3])];
+        seen(&plane, &camera_above(10.0, [0.0; 3]), 0)
+    };
+    for (set, expected) in [(UvSet::First, 0.0), (UvSet::Second, 1.0)] {
+        let map = || texture(set);
+        assert_close(show(Material { unlit: true, diffuse_map: map(), ..matt(1.0) }), expected);
+        assert_close(show(Material { emission: [1.0; 3], emission_map: map(), ..black() }), expected);
+        assert_close(show(Material { specular: [1.0; 3], specular_map: map(), ..black() }), expected);
+        let cut = Material { opacity_map: map(), alpha: AlphaMode::Blend, unlit: true, ..matt(1.0) };
+        assert_close(show(cut), expected);
+    }
+    let both = Material { emission: [1.0; 3], emission_map: texture(UvSet::Second), ..matt(1.0) };
+    assert_close(show(Material { diffuse_map: texture(UvSet::First), ..both }), 1.0);
+}
+
+#[test]
+fn a_normal_map_leans_along_the_coordinates_that_it_reads() {
+    let lean = |uv_set, turned: bool| {
+        let mut mesh = square(0.0, 1.0, 0);
+        let along = |p: &[f32; 3]| [0.5 + 0.5 * p[0], 0.5 - 0.5 * p[2]];
+        mesh.uvs = mesh.positions.iter().map(along).collect();
+        mesh.second_uvs = mesh.uvs.iter().map(|&[u, v]| if turned { [1.0 - u, v] } else { [u, v] }).collect();
+        let texture = Texture { uv_set, ..Texture::new(0, false) };
+        let material = Material { normal_map: Some(NormalMap::Tangent { texture, scale: 1.0 }), ..matt(1.0) };
+        let sun = Light { kind: LightKind::Directional { direction: [1.0, -1.0, 0.0] }, ..Light::default() };
+        let mut plane = scene(vec![mesh], vec![material], vec![sun]);
+        plane.images = vec![image(4, |_| [204, 128, 230])];
+        seen(&plane, &camera_above(4.0, [0.0; 3]), 0)[0]
+    };
+    assert_eq!(lean(UvSet::First, true), lean(UvSet::Second, false));
+    assert!(lean(UvSet::Second, true) > lean(UvSet::First, true) + 0.5);
+}
+
+#[test]
+fn surfaces_of_a_single_side_are_not_seen_from_behind_and_cast_shadows() {
+    // `square` shows its outside upwards; turned round it shows it downwards.
+    let turned = |mut mesh: Mesh| {
+        mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        mesh
+    };
+    let single = Material { single_sided: true, unlit: true, ..matt(0.25) };
+    let floor = Material { unlit: true, ..matt(1.0) };
+    let below = |roof: Mesh, material: &Material| {
+        let room = scene(vec![square(0.0, 50.0, 0), roof], vec![floor.clone(), material.clone()], vec![]);
+        seen(&room, &camera_above(10.0, [0.0; 3]), 0)
+    };
+    assert_close(below(square(5.0, 1.0, 1), &single), 0.25);
+    assert_close(below(turned(square(5.0, 1.0, 1)), &single), 1.0);
+    assert_close(below(turned(square(5.0, 1.0, 1)), &Material { single_sided: false, ..single.clone() }), 0.25);
+    // What transmits is left from its inside.
+    let glass = Material { transmission: [0.5; 3], single_sided: true, ..black() };
+    let through = |roof: Mesh| {
+        let room = scene(vec![square(0.0, 50.0, 0), roof], vec![floor.clone(), glass.clone()], vec![]);
+        seen(&room, &camera_above(10.0, [0.0; 3]), 1)
+    };
+    assert_close(through(turned(square(5.0, 1.0, 1))), 0.5);
+    // The camera is below the roof, the light above: either side shades the floor.
+    for roof in [square(5.0, 1.0, 1), turned(square(5.0, 1.0, 1))] {
+        let room = scene(
+            vec![square(0.0, 50.0, 0), roof],
+            vec![matt(1.0), single.clone()],
+            vec![point([0.0, 20.0, 0.0], 1.0)],
+        );
+        assert_close(seen(&room, &camera_above(4.0, [0.0; 3]), 0), 0.0);
+    }
+    // A mirrored ray passes as well: the mirror shows the sky through the back of what is above it.
+    let mirror = Material { reflection: [1.0; 3], ..black() };
+    for (roof, expected) in [(turned(square(5.0, 9.0, 1)), 0.25), (square(5.0, 9.0, 1), 0.75)] {
+        let mut room = scene(vec![square(0.0, 50.0, 0), roof], vec![mirror.clone(), single.clone()], vec![]);
+        room.background = Some(Background::constant([0.75; 3]));
+        assert_close(seen(&room, &camera_above(4.0, [0.0; 3]), 1), expected);
+    }
+}
+
+/// A block of glass that does not bend: its top at `top`, its bottom at 1, both seen as outside from outside.
+fn block(top: f32, material: u32) -> Vec<Mesh> {
+    let mut bottom = square(1.0, 50.0, material);
+    bottom.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    vec![bottom, square(top, 50.0, material)]
+}
+
+#[test]
+fn glass_absorbs_by_the_length_inside() {
+    let absorption = [0.0, 0.5, 2.0];
+    let glass = Material { transmission: [1.0; 3], absorption, ..black() };
+    let mut room = scene(block(4.0, 1), vec![Material { unlit: true, ..matt(1.0) }, glass], vec![]);
+    room.meshes.push(square(0.0, 50.0, 0));
+    room.instances.push(Instance { name: String::new(), mesh: 2, transform: Transform::IDENTITY, material: None });
+    let [r, g, b] = seen(&room, &camera_above(10.0, [0.0; 3]), 4);
+    let left = absorption.map(|a: f32| (-3.0 * a).exp());
+    assert!([(r, left[0]), (g, left[1]), (b, left[2])].iter().all(|(a, b)| (a - b).abs() < 1e-4), "{:?}", [r, g, b]);
+
+    // A shadow ray goes straight through the block as well.
+    room.materials[0] = matt(1.0);
+    room.lights = vec![point([0.0, 20.0, 0.0], 1.0)];
+    let [r, g, b] = seen(&room, &camera_above(0.5, [0.0; 3]), 0);
+    assert!([(r, left[0]), (g, left[1]), (b, left[2])].iter().all(|(a, b)| (a - b).abs() < 1e-4), "{:?}", [r, g, b]);
+
+    // Where there is no way out, nothing is left but what is not absorbed at all.
+    room.meshes.truncate(2);
+    room.meshes.remove(0);
+    room.instances.truncate(1);
+    room.background = Some(Background::constant([1.0; 3]));
+    assert_eq!(seen(&room, &camera_above(10.0, [0.0; 3]), 4), [1.0, 0.0, 0.0]);
+}
+
+#[test]
+fn what_tints_a_metal_tints_its_mirror_and_its_highlight() {
+    let gold = [1.0, 0.5, 0.25];
+    let show = |material: Material, color: Option<[f32; 3]>| {
+        let mut mesh = square(0.0, 50.0, 0);
+        mesh.colors = color.map_or(vec![], |[r, g, b]| vec![[r, g, b, 1.0]; 4]);
+        let mut plane = scene(vec![mesh], vec![material], vec![point([0.0, 20.0, 0.0], 1.0)]);
+        plane.background = Some(Background::constant([0.5; 3]));
+        seen(&plane, &camera_above(10.0, [0.0; 3]), 1)
+    };
+    let metal = Material { specular: [0.5; 3], shininess: 10.0, reflection: [0.8; 3], metallic: true, ..black() };
+    let solid = Material {
+        specular: gold.map(|c| 0.5 * c),
+        reflection: gold.map(|c| 0.8 * c),
+        metallic: false,
+        ..metal.clone()
+    };
+    assert_eq!(show(metal.clone(), Some(gold)), show(solid.clone(), None));
+    assert_eq!(show(Material { metallic: false, ..metal.clone() }, Some(gold)), show(metal, None));
 }

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context;
 use raywarp::accel::{fastest_on, AccelKind};
 use raywarp::backend::Device;
 use raywarp::render::{RenderOptions, Rendering, Tracer};
@@ -13,6 +12,8 @@ use super::machine::Machine;
 use super::options::BenchOptions;
 use super::spread::Spread;
 use super::suite::BUILT_IN;
+use crate::interrupt::Interrupt;
+use crate::output::to_standard_output;
 use crate::paper;
 use crate::render::{limit_threads, read};
 use crate::report::TestCounts;
@@ -50,16 +51,16 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
         "--frames takes one scene, and there are {}",
         options.subjects.scenes.len()
     );
+    let _ends = Interrupt::install();
     limit_threads(options.threads)?;
-    let loaded = read(options.subjects.scenes.first().map(PathBuf::as_path), false)?;
+    let loaded = read(options.subjects.scenes.first().map(PathBuf::as_path), false, &mut to_standard_output()?)?;
     let device = Device::open(options.device)?;
     let mut bench = Bench::new(options, options.one_size()?, &device);
     let structures = [AccelKind::Brute, AccelKind::Kd, fastest_on(&device)];
     for &accel in if options.layout.is_empty() { &structures } else { &options.layout[..] } {
         bench.measure(&loaded.scene, accel, &device)?;
     }
-    let text = if options.json { serde_json::to_string_pretty(&bench)? + "\n" } else { bench.table() };
-    say::out(text.as_bytes()).context("cannot write the table")
+    say::results(&bench, options.json, || bench.table())
 }
 
 impl Bench {

@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueHint};
 use raywarp::accel::{AccelKind, Quality};
 use raywarp::backend::DeviceChoice;
 use raywarp::query::RayKind;
 
 use super::suite::SubjectOptions;
+use crate::options::DEVICES;
 use crate::values;
 
 const EXAMPLES: &str = "\
@@ -46,15 +47,18 @@ pub struct BenchOptions {
     pub live: bool,
     /// Kinds of rays, with commas: primary, shadow, ao (ambient occlusion), reflected, diffuse, random; none: all
     #[arg(long, value_name = "LIST", value_delimiter = ',', help_heading = "What to measure")]
+    #[arg(value_parser = values::words::<RayKind>(RayKind::ALL.map(RayKind::name)), hide_possible_values = true)]
     pub rays: Vec<RayKind>,
     /// Structures, with commas: brute, staged, kd, kdsah, kdtrail, bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w, bvh8f; none: the fastest on
     /// the device, with --frames brute, kd and that (brute takes hours on a CPU), with --live the viewer's own
     #[arg(long, visible_alias = "accel", value_name = "LIST", value_delimiter = ',')]
     #[arg(help_heading = "What to measure")]
+    #[arg(value_parser = values::words::<AccelKind>(AccelKind::ALL.map(AccelKind::name)), hide_possible_values = true)]
     pub layout: Vec<AccelKind>,
     /// Qualities of the trees, with commas: fast, medium, high
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "medium")]
     #[arg(help_heading = "What to measure")]
+    #[arg(value_parser = values::words::<Quality>(Quality::ALL.map(Quality::name)), hide_possible_values = true)]
     pub tree: Vec<Quality>,
     /// Count nodes and triangles a ray as well, on the CPU
     #[arg(long, help_heading = "What to measure")]
@@ -67,14 +71,15 @@ pub struct BenchOptions {
     pub peers: Vec<String>,
     /// The Python that has the packages
     #[arg(long, value_name = "PATH", default_value = "python3", requires = "peers", help_heading = "What to measure")]
+    #[arg(value_hint = ValueHint::ExecutablePath)]
     pub python: PathBuf,
 
     /// Timed repeats; none: 20, with --frames 9
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", value_parser = values::whole::<u32>(1, 1000))]
     #[arg(help_heading = "How often")]
     pub repeats: Option<u32>,
     /// Repeats before those, not timed; with --live pictures, and more if a quarter of --seconds has room for them
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(0..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = values::whole::<u32>(0, 1000))]
     #[arg(help_heading = "How often")]
     pub warmup: u32,
     /// Seconds of --live that are timed, for each scene, size and case; longer where they hold fewer than three pictures
@@ -86,14 +91,15 @@ pub struct BenchOptions {
     pub size: Vec<[u32; 2]>,
     /// Rays of a kind at least, so that they fill a GPU: several from each hit; and as many random rays
     #[arg(long, value_name = "N", default_value_t = 2_000_000)]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000_000), help_heading = "How often")]
+    #[arg(value_parser = values::whole::<u32>(1, 1_000_000_000), help_heading = "How often")]
     pub min_rays: u32,
 
     /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
     #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
+    #[arg(value_parser = values::words::<DeviceChoice>(DEVICES), hide_possible_values = true)]
     pub device: DeviceChoice,
     /// Threads of the CPU; none: all, beside peers one
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Machine")]
+    #[arg(long, value_name = "N", value_parser = values::whole::<u32>(1, 4096), help_heading = "Machine")]
     pub threads: Option<u32>,
     /// Print one JSON object
     #[arg(long, help_heading = "Machine")]

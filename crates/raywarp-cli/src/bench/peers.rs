@@ -50,6 +50,11 @@ pub struct Variant {
     pub seconds: Vec<f64>,
 }
 
+/// A path as JSON holds it.
+fn text(path: &Path) -> anyhow::Result<&str> {
+    path.to_str().with_context(|| format!("the folder for temporary files, {}, is not UTF-8 text", path.display()))
+}
+
 impl Peer {
     /// Starts the peer of a name on the device's machine. `folder` holds the script while it runs.
     ///
@@ -76,14 +81,14 @@ impl Peer {
         struct Reply {
             variants: Vec<Variant>,
         }
-        self.variants = self.ask::<Reply>(json!({"do": "scene", "folder": folder}))?.variants;
+        self.variants = self.ask::<Reply>(json!({"do": "scene", "folder": text(folder)?}))?.variants;
         Ok(())
     }
 
     /// Has it read the rays in a folder.
     pub fn rays(&mut self, folder: &Path, any_hit: bool) -> anyhow::Result<()> {
         self.variants.iter_mut().for_each(|variant| variant.seconds.clear());
-        self.ask::<Value>(json!({"do": "rays", "folder": folder, "any_hit": any_hit})).map(drop)
+        self.ask::<Value>(json!({"do": "rays", "folder": text(folder)?, "any_hit": any_hit})).map(drop)
     }
 
     /// Times every variant, and keeps the seconds.
@@ -109,7 +114,7 @@ impl Peer {
     /// Distance of each ray's hit, infinite for a miss; 0 for a hit where any would do.
     pub fn answers(&mut self, variant: usize, folder: &Path) -> anyhow::Result<Vec<f32>> {
         let file = folder.join("answers");
-        self.ask::<Value>(json!({"do": "answers", "variant": variant, "file": file}))?;
+        self.ask::<Value>(json!({"do": "answers", "variant": variant, "file": text(&file)?}))?;
         read_distances(&file).with_context(|| format!("cannot read {}", file.display()))
     }
 

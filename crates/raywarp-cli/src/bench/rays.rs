@@ -11,6 +11,8 @@ use super::options::BenchOptions;
 use super::peers::Peer;
 use super::results::Results;
 use super::suite::subjects;
+use crate::interrupt::Interrupt;
+use crate::output::to_standard_output;
 use crate::render::{limit_threads, read};
 use crate::say;
 
@@ -19,6 +21,9 @@ const REPEATS: u32 = 20;
 
 /// Measures every scene that the options name.
 pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
+    let interrupt = Interrupt::install();
+    let mut outputs = to_standard_output()?;
+    outputs.reads(&options.subjects.suite)?;
     let subjects = subjects(&options.subjects)?;
     let device = Device::open(options.device)?;
     // Peers use one thread of the CPU.
@@ -34,6 +39,7 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
         notes: Vec::new(),
     };
     let folder = tempfile::tempdir().context("cannot make a folder for temporary files")?;
+    interrupt.unfinished(folder.path().to_owned());
     let mut contest = Contest {
         options,
         builds: builds(options, &device),
@@ -49,7 +55,7 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
             results.note(&subject.name, reason);
             continue;
         }
-        let loaded = read(subject.file.as_deref(), false)?;
+        let loaded = read(subject.file.as_deref(), false, &mut outputs)?;
         contest.measure(&subject, &loaded.scene, &mut results)?;
     }
     conclude(options, &results)
@@ -79,8 +85,7 @@ fn peers(options: &BenchOptions, contest: &Contest, results: &mut Results) -> Ve
 /// Prints the results, and says what is wrong with them.
 fn conclude(options: &BenchOptions, results: &Results) -> anyhow::Result<()> {
     anyhow::ensure!(!results.rows.is_empty(), "nothing was measured; the notes above say why");
-    let text = if options.json { serde_json::to_string_pretty(results)? + "\n" } else { results.table() };
-    say::out(text.as_bytes()).context("cannot write the results")?;
+    say::results(results, options.json, || results.table())?;
     let differ: usize = results.rows.iter().map(|row| row.differ).sum();
     anyhow::ensure!(differ == 0, "{differ} answers differ between structures: one of them is wrong; report it");
     Ok(())

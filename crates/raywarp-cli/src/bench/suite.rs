@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use clap::Args;
-use raywarp::scene::Viewpoint;
+use clap::{Args, ValueHint};
+use raywarp::scene::{LoadError, Viewpoint};
 use serde::Deserialize;
 
 use crate::values;
@@ -13,6 +13,7 @@ use crate::values;
 #[derive(Debug, Args)]
 pub struct SubjectOptions {
     /// Scene files; none: the built-in scene, which is the paper's
+    #[arg(value_hint = ValueHint::FilePath)]
     pub scenes: Vec<PathBuf>,
     /// Name of the scene in the results; none: its file's
     #[arg(long, value_name = "NAME", help_heading = "Scene")]
@@ -35,9 +36,11 @@ pub struct SubjectOptions {
     /// Scenes with names and cameras, of a TOML file; those without their model are left out
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "name", "eye", "target", "up", "fov"])]
     #[arg(help_heading = "Scene")]
+    #[arg(value_hint = ValueHint::FilePath)]
     pub suite: Option<PathBuf>,
     /// Where the models of the suite are; none: beside the suite
     #[arg(long, value_name = "DIR", requires = "suite", help_heading = "Scene")]
+    #[arg(value_hint = ValueHint::DirPath)]
     pub models: Option<PathBuf>,
     /// Scenes of the suite, with commas; none: all
     #[arg(long, value_name = "LIST", value_delimiter = ',', requires = "suite", help_heading = "Scene")]
@@ -128,7 +131,8 @@ fn of_files(options: &SubjectOptions) -> anyhow::Result<Vec<Subject>> {
 
 fn of_suite(path: &Path, options: &SubjectOptions) -> anyhow::Result<Vec<Subject>> {
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read the suite {}", path.display()))?;
-    let suite: Suite = toml::from_str(&text).with_context(|| format!("{} is no suite of scenes", path.display()))?;
+    let help = "docs/bench/suite.toml is an example.";
+    let suite: Suite = toml::from_str(&text).map_err(|error| LoadError::of_toml(path, &text, &error, help))?;
     let beside = path.parent().unwrap_or(Path::new(""));
     let models = options.models.as_deref().unwrap_or(beside);
     for name in &options.only {

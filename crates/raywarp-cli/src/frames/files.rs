@@ -4,13 +4,14 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use raywarp::image::{png, probe, Format, Layer, Rgb8};
-use raywarp::write;
+use raywarp::image::{png, probe, Format, Found, Layer, Rgb8};
+use raywarp::write::{self, Outputs};
 
 use super::names::Template;
 use super::range::Range;
 use crate::options::RenderOptions;
-use crate::output::Plan;
+use crate::output::{add_statistics, Plan};
+use crate::say;
 
 /// Frames that nobody names.
 const USUAL: &str = "raywarp-####.png";
@@ -40,12 +41,8 @@ impl FrameFiles {
             options.aov.is_empty() || !outputs.is_empty(),
             "--aov goes into picture files or beside them, and an animation holds the picture alone: give -o too"
         );
-        let name = |path: &PathBuf| match write::is_dash(path) {
-            true => "standard output".to_owned(),
-            false => path.display().to_string(),
-        };
         Ok(Self {
-            names: outputs.iter().map(name).collect::<Vec<_>>().join(", "),
+            names: outputs.iter().map(|path| say::output_name(path)).collect::<Vec<_>>().join(", "),
             outputs: outputs.iter().map(|path| Template::new(path)).collect::<Result<_, _>>()?,
             heatmap: options.heatmap.as_deref().map(Template::new).transpose()?,
             layers: options.aov.clone(),
@@ -61,60 +58,76 @@ impl FrameFiles {
         Plan::of(&outputs, self.heatmap.as_ref().map(|name| name.path(frame)), &self.layers)
     }
 
-    /// Finds out whether every file has a name of its own, also beside `other`, and a directory to be written into.
+    /// Adds every file to the outputs of the run, once it is known that it has a name of its own and a directory to be
+    /// written into.
     ///
     /// # Errors
-    /// Where one does not.
-    pub fn check(&self, range: Range, options: &RenderOptions) -> anyhow::Result<()> {
-        let other = options.frames.animation.as_deref();
-        let mut seen: HashSet<PathBuf> = other.map(Path::to_owned).into_iter().collect();
+    /// Where one does not, and where one is read.
+    pub fn check(&self, range: Range, options: &RenderOptions, run: &mut Outputs) -> anyhow::Result<()> {
+        options.frames.animation.iter().try_for_each(|path| run.add(path))?;
         let mut directories = HashSet::new();
-        for frame in range.frames() {
+        for (index, frame) in range.frames().enumerate() {
             let plan = self.plan(frame)?;
             plan.check_standard_output(options)?;
-            let mut dashes = 0;
-            for path in plan.paths() {
-                dashes += u32::from(write::is_dash(path));
-                let own = if write::is_dash(path) { dashes == 1 } else { seen.insert(path.to_owned()) };
-                anyhow::ensure!(own, "two outputs have the same name, {}: give each its own", path.display());
+            // Standard output takes frame after frame.
+            for path in plan.paths().filter(|path| index == 0 || !write::is_dash(path)) {
+                run.add(path)?;
                 // One file tells whether there is a right to write into its directory.
                 if directories.insert(write::directory_of(path)) {
                     write::check(path)?;
                 }
             }
         }
-        Ok(())
+        add_statistics(options, run)
     }
 }
 
-/// Whether all files of a frame are there and whole, and with `shown` one of them shows its pixels.
+/// What is there of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum There {
+    /// All of it, and whole.
+    All,
+    /// Not every file, or not the whole of each.
+    Part,
+    /// Files that were made of something else.
+    Other,
+}
+
+/// What is there of a frame of this size and fingerprint; with `shown` one file has to show its pixels.
 ///
 /// # Errors
-/// For a picture of another size, or one that cannot be read.
-pub fn are_there(plan: &Plan, size: [u32; 2], shown: bool) -> anyhow::Result<bool> {
+/// For a picture of another size that does not say how it was made: somebody may miss it. And for one that cannot be
+/// read.
+pub fn there(plan: &Plan, size: [u32; 2], fingerprint: &str, shown: bool) -> anyhow::Result<There> {
     let layers = plan.layer_pictures().map(|path| (path, Format::Png));
     let pictures = plan.pictures().iter().map(|(path, format)| (path.as_path(), *format)).chain(layers);
-    let (mut there, mut files) = (true, 0);
+    let mut there = if shown && shown_in(plan).is_none() { There::Part } else { There::All };
+    let mut files = 0;
     for (path, format) in pictures {
         files += 1;
-        let found = probe(path, format).with_context(|| format!("cannot read {}", path.display()))?;
-        if let Some([width, height]) = found {
-            anyhow::ensure!(
-                [width, height] == size,
-                "{} is there, of {width}x{height} pixels instead of {}x{}: render into another place, or give \
-                 --overwrite",
-                path.display(),
-                size[0],
-                size[1]
-            );
-        }
-        there &= found.is_some();
+        there = there.max(file_there(path, format, Some(size), fingerprint)?);
     }
     if let Some(path) = plan.heatmap() {
         files += 1;
-        there &= probe(path, Format::Png).with_context(|| format!("cannot read {}", path.display()))?.is_some();
+        there = there.max(file_there(path, Format::Png, None, fingerprint)?);
     }
-    Ok(there && files > 0 && (!shown || shown_in(plan).is_some()))
+    Ok(if files == 0 { There::Part } else { there })
+}
+
+fn file_there(path: &Path, format: Format, size: Option<[u32; 2]>, fingerprint: &str) -> anyhow::Result<There> {
+    let found = probe(path, format).with_context(|| format!("cannot read {}", path.display()))?;
+    let Some(Found { size: [width, height], fingerprint: made_of }) = found else { return Ok(There::Part) };
+    if let (Some(wanted), None) = (size, &made_of) {
+        anyhow::ensure!(
+            wanted == [width, height],
+            "{} is there, of {width}x{height} pixels instead of {}x{}: render into another place, or give \
+             --overwrite",
+            path.display(),
+            wanted[0],
+            wanted[1]
+        );
+    }
+    Ok(if made_of.as_deref() == Some(fingerprint) { There::All } else { There::Other })
 }
 
 /// The file that holds a frame's pixels.

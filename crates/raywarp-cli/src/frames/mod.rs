@@ -16,18 +16,19 @@ use std::time::Instant;
 use raywarp::image::{Layers, Rgb8};
 use raywarp::render;
 use raywarp::scene::Camera;
+use raywarp::write::Outputs;
 
 use crate::interrupt::Interrupt;
 use crate::limits;
 use crate::options::RenderOptions;
-use crate::output::Plan;
+use crate::output::{Plan, Target};
 use crate::progress::{Bar, Words, THOUSAND};
 use crate::render::{limit_threads, read, say_statistics, Shot, Stage};
 use crate::report::{FrameCounts, Statistics};
 use crate::say;
 
 use animation::Animation;
-use files::FrameFiles;
+use files::{FrameFiles, There};
 use flight::Flight;
 pub use options::FrameOptions;
 use range::Range;
@@ -36,7 +37,9 @@ use range::Range;
 pub fn run(options: &RenderOptions, range: Range) -> anyhow::Result<()> {
     let interrupt = Interrupt::install();
     let whole = range.whole(options.frames.of)?;
-    let files = name(options, range, &interrupt)?;
+    let mut outputs = Outputs::default();
+    outputs.reads(&options.scene)?;
+    let files = name(options, range, &mut outputs, &interrupt)?;
     if let Some(size) = options.size {
         // Better told before a large scene is read.
         check(size, options, &files.plan(range.first)?)?;
@@ -44,7 +47,7 @@ pub fn run(options: &RenderOptions, range: Range) -> anyhow::Result<()> {
     limit_threads(options.machine.threads)?;
 
     let start = Instant::now();
-    let loaded = read(options.scene.as_deref(), options.strict)?;
+    let loaded = read(options.scene.as_deref(), options.strict, &mut outputs)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let path = options.frames.path.as_deref().map(|name| flight::named(&loaded.scene.paths, name)).transpose()?;
     let wishes = options.wishes().or(&loaded.scene.render);
@@ -56,9 +59,10 @@ pub fn run(options: &RenderOptions, range: Range) -> anyhow::Result<()> {
     let open = |path| Animation::open(path, size, range.count(), options.frames.fps, &interrupt);
     let animation = options.frames.animation.as_deref().map(open).transpose()?;
     let statistics = stage.statistics(size);
-    let mut roll = Roll { stage: &stage, files: &files, flight: &flight, interrupt: &interrupt, animation, statistics };
+    let target = Target { run: &outputs, interrupt: &interrupt };
+    let mut roll = Roll { stage: &stage, files: &files, flight: &flight, target, animation, statistics };
     let counts = roll.expose(range)?;
-    let said = roll.animation.take().map(|animation| animation.finish(&interrupt)).transpose()?;
+    let said = roll.animation.take().map(|animation| animation.finish(target)).transpose()?;
     let mut statistics = roll.statistics;
     statistics.seconds.load = load_seconds;
     statistics.frames = Some(counts);
@@ -66,11 +70,16 @@ pub fn run(options: &RenderOptions, range: Range) -> anyhow::Result<()> {
 }
 
 /// The names of the frames' files, once it is known that they can be written.
-fn name(options: &RenderOptions, range: Range, interrupt: &Interrupt) -> anyhow::Result<FrameFiles> {
+fn name(
+    options: &RenderOptions,
+    range: Range,
+    outputs: &mut Outputs,
+    interrupt: &Interrupt,
+) -> anyhow::Result<FrameFiles> {
     // Trying whether files can be written makes some for a moment.
     let _held = interrupt.hold();
     let files = FrameFiles::new(options)?;
-    files.check(range, options)?;
+    files.check(range, options, outputs)?;
     Ok(files)
 }
 
@@ -88,7 +97,7 @@ struct Roll<'a> {
     stage: &'a Stage<'a>,
     files: &'a FrameFiles,
     flight: &'a Flight,
-    interrupt: &'a Interrupt,
+    target: Target<'a>,
     animation: Option<Animation>,
     statistics: Statistics,
 }
@@ -102,22 +111,28 @@ impl Roll<'_> {
         for (index, frame) in range.frames().enumerate() {
             let before = index as u64 * THOUSAND;
             let plan = self.files.plan(frame)?;
-            if self.is_there(&plan)? {
+            let camera = self.flight.camera(frame);
+            let there = self.there(&plan, &camera)?;
+            if there == There::All {
                 counts.kept += 1;
                 self.show(|| files::read_back(&plan))?;
             } else {
                 let mut update = |share: f64| bar.update(before + (share * THOUSAND as f64) as u64, Some(total));
-                self.take(&plan, &self.flight.camera(frame), counts.rendered == 0, &mut update)?;
+                self.take(&plan, &camera, counts.rendered == 0, &mut update)?;
                 counts.rendered += 1;
+                counts.renewed += u32::from(there == There::Other);
             }
             bar.update(before + THOUSAND, Some(total));
         }
         Ok(counts)
     }
 
-    fn is_there(&self, plan: &Plan) -> anyhow::Result<bool> {
-        let overwrite = self.stage.options.frames.overwrite;
-        Ok(!overwrite && files::are_there(plan, self.statistics.size, self.animation.is_some())?)
+    fn there(&self, plan: &Plan, camera: &Camera) -> anyhow::Result<There> {
+        if self.stage.options.frames.overwrite {
+            return Ok(There::Part);
+        }
+        let made_of = Shot { stage: self.stage, plan, camera }.origin().provenance();
+        files::there(plan, self.statistics.size, &made_of.fingerprint, self.animation.is_some())
     }
 
     fn take(
@@ -134,7 +149,7 @@ impl Roll<'_> {
         let layers: Layers = shot.layers(&taken)?;
         let results = shot.results(&taken, &layers);
         // What the colours mean is said of one frame: of all, it would be a book.
-        plan.write(&results, self.interrupt, self.stage.options.quiet || !is_first)?;
+        plan.write(&results, self.target, self.stage.options.quiet || !is_first)?;
         if let Some(animation) = &mut self.animation {
             animation.add(results.shown())?;
         }
@@ -169,8 +184,12 @@ fn conclude(
         0 => String::new(),
         kept => format!("; {kept} were there already and are kept, --overwrite renders anew"),
     };
+    let renewed = match counts.renewed {
+        0 => String::new(),
+        renewed => format!("; {renewed} were there of another scene or other options, and are made anew"),
+    };
     say::line(&format!(
-        "{place}{} of {width}x{height} pixels on {} in {} (rendering {}, kernels {}){kept}",
+        "{place}{} of {width}x{height} pixels on {} in {} (rendering {}, kernels {}){kept}{renewed}",
         say::count(counts.rendered, "frame"),
         statistics.device,
         say::seconds(total),

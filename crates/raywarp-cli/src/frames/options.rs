@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{ArgGroup, Args};
+use clap::{ArgGroup, Args, ValueHint};
 
 use super::range::Range;
 
@@ -26,6 +26,7 @@ pub struct FrameOptions {
     pub path: Option<String>,
     /// Write the frames as one file too: .gif, .png or .apng (animated PNG), or by way of ffmpeg .mp4 or .webm
     #[arg(long, value_name = "FILE", requires = "range")]
+    #[arg(value_hint = ValueHint::FilePath)]
     pub animation: Option<PathBuf>,
     /// Frames a second of the animation
     #[arg(long, value_name = "N", default_value = "24", requires = "animation", value_parser = rate)]

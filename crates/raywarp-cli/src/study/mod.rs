@@ -8,8 +8,11 @@ mod options;
 mod report;
 
 use raywarp::backend::Device;
+use raywarp::write::Outputs;
 
 use crate::bench::subjects;
+use crate::interrupt::Interrupt;
+use crate::output::Target;
 use crate::render::{limit_threads, read};
 use crate::say;
 use findings::Study;
@@ -18,11 +21,15 @@ pub use options::StudyOptions;
 
 /// Measures, and writes the report.
 pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
+    let interrupt = Interrupt::install();
+    let mut outputs = Outputs::default();
+    outputs.reads(&options.subjects.suite)?;
     let subjects = subjects(&options.subjects)?;
+    outputs.reads(subjects.iter().filter_map(|subject| subject.file.as_deref()))?;
     limit_threads(options.threads)?;
     let device = Device::open(options.device)?;
     say::fallback(&device);
-    report::check(&options.output)?;
+    report::check(&options.output, &mut outputs, &interrupt)?;
     let about = measure::about(&device, options.quick);
     let setting = Setting::new(options, &device, &about);
     let mut study = Study { about, scenes: Vec::new(), growth: Vec::new(), notes: Vec::new() };
@@ -32,13 +39,13 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
             say::line(&format!("note: {}: {reason}", subject.name));
             continue;
         }
-        let loaded = read(subject.file.as_deref(), false)?;
+        let loaded = read(subject.file.as_deref(), false, &mut outputs)?;
         study.scenes.push(measure::scene(&setting, subject, &loaded.scene, &mut study.notes)?);
     }
     anyhow::ensure!(!study.scenes.is_empty(), "no scene was studied; the notes above say why");
     study.growth = measure::growth(&setting)?;
-    let written = report::write(&study, &options.output)?;
-    let first = written.first().map_or(options.output.display().to_string(), |path| path.display().to_string());
+    let written = report::write(&study, &options.output, Target { run: &outputs, interrupt: &interrupt })?;
+    let first = say::path(written.first().unwrap_or(&options.output));
     say::line(&format!("wrote {first} and {} files beside it", written.len().saturating_sub(1)));
     Ok(())
 }

@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueHint};
 use raywarp::backend::DeviceChoice;
 
 use crate::bench::SubjectOptions;
+use crate::options::DEVICES;
 use crate::values;
 
 const EXAMPLES: &str = "\
@@ -27,6 +28,7 @@ pub struct StudyOptions {
 
     /// Folder for the report: report.html, report.md, study.json and plots; files of these names in it are replaced
     #[arg(short, long, value_name = "DIR", default_value = "study", help_heading = "Output")]
+    #[arg(value_hint = ValueHint::DirPath)]
     pub output: PathBuf,
     /// Small pictures, fewer rays and repeats: a minute on two CPU cores
     #[arg(long, help_heading = "How often")]
@@ -35,13 +37,14 @@ pub struct StudyOptions {
     #[arg(long, value_name = "WxH", value_parser = values::size, help_heading = "How often")]
     pub size: Option<[u32; 2]>,
     /// Timed repeats, of which the median counts; none: 10, with --quick 3
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", value_parser = values::whole::<u32>(1, 1000))]
     #[arg(help_heading = "How often")]
     pub repeats: Option<u32>,
     /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
     #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
+    #[arg(value_parser = values::words::<DeviceChoice>(DEVICES), hide_possible_values = true)]
     pub device: DeviceChoice,
     /// Threads of the CPU; none: all
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096), help_heading = "Machine")]
+    #[arg(long, value_name = "N", value_parser = values::whole::<u32>(1, 4096), help_heading = "Machine")]
     pub threads: Option<u32>,
 }

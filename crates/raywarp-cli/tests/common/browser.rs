@@ -92,6 +92,35 @@ impl Browser {
         self.command("url", &json!({"url": url}));
     }
 
+    pub fn reload(&self) {
+        self.command("refresh", &json!({}));
+    }
+
+    /// Pretends to a window of so many pixels, smaller ones than there are too.
+    pub fn emulate(&self, [width, height]: [i64; 2]) {
+        let metrics = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
+        self.command("goog/cdp/execute", &json!({"cmd": "Emulation.setDeviceMetricsOverride", "params": metrics}));
+    }
+
+    /// A window of its own, empty, that all further commands are for.
+    pub fn window(&self) {
+        let made = self.command("window/new", &json!({"type": "window"}));
+        self.switch(made["handle"].as_str().unwrap());
+    }
+
+    /// All windows, by the names that [`switch`](Self::switch) takes.
+    pub fn windows(&self) -> Vec<String> {
+        let path = format!("{}{}/window/handles", self.address, self.session);
+        let text = self.agent.get(path).call().unwrap().body_mut().read_to_string().unwrap();
+        let answer: Value = serde_json::from_str(&text).unwrap();
+        let names = answer["value"].as_array().unwrap().iter();
+        names.map(|name| name.as_str().unwrap().to_owned()).collect()
+    }
+
+    pub fn switch(&self, window: &str) {
+        self.command("window", &json!({"handle": window}));
+    }
+
     /// What an expression of JavaScript gives on the page.
     pub fn get(&self, expression: &str) -> Value {
         self.command("execute/sync", &json!({"script": format!("return {expression};"), "args": []}))

@@ -36,7 +36,7 @@ impl Place {
         let copied = std::env::var_os("RAYWARP_PROGRAM");
         let mut command = Command::new(copied.unwrap_or_else(|| env!("CARGO_BIN_EXE_raywarp").into()));
         // The trees of tests are nobody's to keep.
-        command.env("RAYWARP_CACHE", "");
+        command.env("RAYWARP_CACHE", "").env_remove("RAYWARP_TOKEN");
         command.args(arguments).current_dir(self.0.path()).env("COLUMNS", "100").env_remove("RUST_BACKTRACE");
         command
     }

@@ -4,6 +4,7 @@
 //! adds up the same contributions.
 
 use super::optics::{fresnel, reflect, refract, schlick};
+use crate::arch;
 use crate::light::Illumination;
 use crate::material::{flags, Material};
 use crate::math::{clamp, mix, power, Vec3};
@@ -39,7 +40,30 @@ struct Branch {
     ray: Ray,
     /// What its radiance counts.
     weight: Vec3,
-    depth: u32,
+    /// Bounces so far in the low eight bits; above them the index of the material that the ray is inside of, plus one.
+    state: u32,
+}
+
+/// Bits of the bounces in the state of a branch.
+const DEPTH_BITS: u32 = 8;
+
+impl Branch {
+    #[inline(always)]
+    fn depth(&self) -> u32 {
+        self.state & ((1 << DEPTH_BITS) - 1)
+    }
+
+    /// One more than the index of the material that the ray is inside of; 0 for none that absorbs.
+    #[inline(always)]
+    fn medium(&self) -> u32 {
+        self.state >> DEPTH_BITS
+    }
+
+    /// The state after another bounce, inside of some medium.
+    #[inline(always)]
+    fn next(&self, medium: u32) -> u32 {
+        (self.depth() + 1) | medium << DEPTH_BITS
+    }
 }
 
 /// One picture's worth of shading: where to trace, what is there, what is allowed.
@@ -62,11 +86,16 @@ pub fn trace<S: Structure, C: Counter>(
     let mut tracer = Tracer { structure, scene, limits, counter };
     let mut room = Room::new();
     let mut waiting = Stack::new(&mut room);
-    let mut branch = Branch { ray: *ray, weight: Vec3::ONE, depth: 0 };
+    let mut branch = Branch { ray: *ray, weight: Vec3::ONE, state: 0 };
     tracer.counter.branch();
     let (mut radiance, mut previous, mut any) = (Vec3::ZERO, START, false);
     loop {
         let hit = tracer.visible(&branch.ray, &previous);
+        if branch.medium() != 0 {
+            // From the last surface on, behind which the ray goes straight on, or from its origin.
+            let length = hit.t - arch::max(previous.t, 0.0);
+            branch.weight = branch.weight * scene.material_of_medium(branch.medium()).transmittance(length);
+        }
         if hit.is_miss() {
             radiance += branch.weight * scene.background.radiance(branch.ray.direction);
         } else {
@@ -74,9 +103,9 @@ pub fn trace<S: Structure, C: Counter>(
             let material = scene.material(hit.primitive);
             let surface = scene.surface(&branch.ray, &hit, material);
             let weight = branch.weight * surface.coverage;
-            radiance += weight * tracer.local(&branch.ray, &surface, material);
-            if branch.depth < limits.depth {
-                scatter(&branch, weight, &surface, material, &mut waiting);
+            radiance += weight * tracer.local(&branch.ray, &hit, &surface, material);
+            if branch.depth() < limits.depth {
+                scatter(scene, &branch, &hit, weight, &surface, material, &mut waiting);
             } else {
                 radiance += weight * material.transmission * scene.surroundings(branch.ray.direction);
             }
@@ -104,15 +133,22 @@ impl<S: Structure, C: Counter> Tracer<'_, S, C> {
 
     /// What the surface itself sends towards the viewer: Phong's sum over the lights, and its own light.
     #[inline(always)]
-    fn local(&mut self, ray: &Ray, surface: &Surface, material: &Material) -> Vec3 {
+    fn local(&mut self, ray: &Ray, hit: &Hit, surface: &Surface, material: &Material) -> Vec3 {
         let diffuse = material.diffuse * surface.tint;
         if material.flags & flags::UNLIT != 0 {
             return diffuse;
         }
-        let [u, v] = surface.uv;
-        let textures = &self.scene.textures;
-        let map = |index: u32| if index == NO_TEXTURE { Vec3::ONE } else { textures.sample(index, u, v).color };
-        let specular = material.specular * map(material.specular_map);
+        let map = |index: u32| {
+            if index == NO_TEXTURE {
+                return Vec3::ONE;
+            }
+            let [u, v] = self.scene.coordinates(hit, material, index, surface.uv);
+            self.scene.textures.sample(index, u, v).color
+        };
+        let mut specular = material.specular * map(material.specular_map);
+        if material.flags & flags::METALLIC != 0 {
+            specular = specular * surface.tint;
+        }
         let mut sum = material.emission * map(material.emission_map);
         sum += material.ambient * surface.tint * self.scene.ambient;
         for index in 0..self.scene.lights.len() {
@@ -153,7 +189,7 @@ impl<S: Structure, C: Counter> Tracer<'_, S, C> {
     #[cfg_attr(target_arch = "nvptx64", inline(never))]
     #[cfg_attr(not(target_arch = "nvptx64"), inline(always))]
     fn filter(&mut self, ray: &Ray) -> Vec3 {
-        let (mut share, mut previous) = (Vec3::ONE, START);
+        let (mut share, mut previous, mut entered) = (Vec3::ONE, START, 0.0);
         while share.max_abs() > FAINT {
             previous = closest(self.structure, ray, &previous, self.counter);
             if previous.is_miss() {
@@ -162,12 +198,22 @@ impl<S: Structure, C: Counter> Tracer<'_, S, C> {
             let material = self.scene.material(previous.primitive);
             let coverage = self.scene.coverage(&previous, material);
             share = share * mix(Vec3::ONE, material.transmission, coverage);
+            if material.flags & flags::VOLUME != 0 {
+                if self.scene.is_inside(ray, &previous) {
+                    share = share * material.transmittance(previous.t - entered);
+                } else {
+                    entered = previous.t;
+                }
+            }
         }
         Vec3::ZERO
     }
 }
 
-/// The first hit after `previous` that covers anything.
+/// The first hit after `previous` that covers anything and shows the side that it is met from.
+///
+/// Shadow rays do not ask for the side: what is culled still casts its shadow, as it does where glTF is drawn with shadow
+/// maps and in Blender after an import; leaves of a single side would else lose theirs half of the time.
 #[inline(always)]
 pub fn visible<S: Structure>(
     structure: &S,
@@ -183,6 +229,9 @@ pub fn visible<S: Structure>(
             return hit;
         }
         let material = scene.material(hit.primitive);
+        if material.flags & flags::SINGLE_SIDED != 0 && scene.is_inside(ray, &hit) {
+            continue;
+        }
         if material.flags & (flags::MASK | flags::BLEND) == 0 || scene.coverage(&hit, material) > 0.0 {
             return hit;
         }
@@ -192,7 +241,9 @@ pub fn visible<S: Structure>(
 /// Puts the mirrored and the refracted ray aside, each with its share of `weight`.
 #[inline(always)]
 fn scatter(
+    scene: &Scene,
     branch: &Branch,
+    hit: &Hit,
     weight: Vec3,
     surface: &Surface,
     material: &Material,
@@ -202,6 +253,9 @@ fn scatter(
     if material.reflection.is_zero() && !transparent {
         return;
     }
+    // Made again where it counts: nothing is kept alive while lights are asked for.
+    let tint = if material.flags & flags::METALLIC != 0 { scene.tint(hit, material) } else { Vec3::ONE };
+    let reflection = material.reflection * tint;
     let direction = branch.ray.direction;
     let eta = if surface.outside { 1.0 / material.ior } else { material.ior };
     let (normal, refracted) = if transparent { bend(direction, surface, eta) } else { (surface.normal, None) };
@@ -215,23 +269,28 @@ fn scatter(
     } else {
         schlick(cosine)
     };
-    let mut wait = |direction: Vec3, side: f32, weight: Vec3| {
+    let mut wait = |direction: Vec3, side: f32, weight: Vec3, medium: u32| {
         if !weight.is_zero() {
             let ray = Ray::new(surface.start(side), direction.normalize());
-            waiting.push(Branch { ray, weight, depth: branch.depth + 1 });
+            waiting.push(Branch { ray, weight, state: branch.next(medium) });
         }
     };
     if let Some(refracted) = refracted {
-        wait(refracted, -1.0, weight * material.transmission * (1.0 - share));
+        let medium = match (material.flags & flags::VOLUME != 0, surface.outside) {
+            (true, true) => scene.medium(hit.primitive),
+            (true, false) => 0,
+            (false, _) => branch.medium(),
+        };
+        wait(refracted, -1.0, weight * material.transmission * (1.0 - share), medium);
     }
     let mirrored = if transparent && material.flags & flags::FRESNEL != 0 && material.ior != 1.0 {
         // Glass: what Fresnel's equations do not let through, tinted by `reflection` if that has a colour.
-        let tint = if material.reflection.is_zero() { Vec3::ONE } else { material.reflection };
+        let tint = if material.reflection.is_zero() { Vec3::ONE } else { reflection };
         tint * share
     } else {
-        mix(material.reflection, Vec3::ONE, share)
+        mix(reflection, Vec3::ONE, share)
     };
-    wait(mirror(direction, surface), 1.0, weight * mirrored);
+    wait(mirror(direction, surface), 1.0, weight * mirrored, branch.medium());
 }
 
 /// The refracted direction and the normal that bends it: the shading normal, or the flat one where the shading normal

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use super::quote::printable;
+
 /// Where in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
@@ -24,12 +26,12 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why a scene could not be read.
+/// Why a scene could not be read. Shown, it is one line of printable text, whatever the file says.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoadError {
     /// The file could not be opened or read.
-    #[error("cannot read {}: {source}. {help}", path.display())]
+    #[error("{}", printable(&format!("cannot read {}: {}. {}", path.display(), source, help)))]
     Io {
         /// The file.
         path: PathBuf,
@@ -39,7 +41,7 @@ pub enum LoadError {
         help: String,
     },
     /// The file breaks its format.
-    #[error("{}{place}: {read}; expected {expected}. {help}", path.display())]
+    #[error("{}", printable(&format!("{}{}: {}; expected {}. {}", path.display(), place, read, expected, help)))]
     Syntax {
         /// The file.
         path: PathBuf,
@@ -53,7 +55,7 @@ pub enum LoadError {
         help: String,
     },
     /// The file is right but asks for something that raywarp lacks.
-    #[error("{}{place}: {what} is not supported. {help}", path.display())]
+    #[error("{}", printable(&format!("{}{}: {} is not supported. {}", path.display(), place, what, help)))]
     Unsupported {
         /// The file.
         path: PathBuf,
@@ -65,7 +67,7 @@ pub enum LoadError {
         help: String,
     },
     /// The file claims more than it can hold, or more than indices can count.
-    #[error("{}{place}: {what}. {help}", path.display())]
+    #[error("{}", printable(&format!("{}{}: {}. {}", path.display(), place, what, help)))]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -76,12 +78,40 @@ pub enum LoadError {
         /// What to do, a sentence.
         help: String,
     },
+    /// A file that another one names cannot be used.
+    #[error("{}{place} names {name}: {error}", path.display())]
+    Named {
+        /// The file that names the other.
+        path: PathBuf,
+        /// Where.
+        place: Place,
+        /// The name as it stands there, printable.
+        name: String,
+        /// What is wrong with the other.
+        #[source]
+        error: Box<LoadError>,
+    },
     /// A warning, with [`LoadOptions::strict`](super::LoadOptions::strict).
     #[error("{0} (an error because of --strict)")]
     Strict(super::Warning),
 }
 
 impl LoadError {
+    /// Whether it is said of this file as a whole, and of no place in it.
+    pub(crate) fn is_about_all_of(&self, file: &Path) -> bool {
+        match self {
+            Self::Io { path, .. }
+            | Self::Unsupported { path, place: Place::File, .. }
+            | Self::TooLarge { path, place: Place::File, .. } => path == file,
+            _ => false,
+        }
+    }
+
+    /// Why a text in TOML, that is no scene file, is not what it should be; `help` is what to do, a sentence.
+    pub fn of_toml(path: &Path, text: &str, error: &::toml::de::Error, help: &str) -> Self {
+        super::toml::failure(path, text, error, help)
+    }
+
     pub(crate) fn unknown_format(path: &Path) -> Self {
         Self::Unsupported {
             path: path.to_owned(),

@@ -70,6 +70,20 @@ pub(super) fn from_bytes(
     add(name, decode(name, bytes), asker, scene, sources)
 }
 
+/// Index in `scene.images` of what stands in for a picture that is not to be had, for a reason given as a phrase.
+pub(super) fn missing(
+    name: &str,
+    reason: String,
+    asker: Asker,
+    scene: &mut Scene,
+    sources: &mut Sources,
+) -> Result<u32, LoadError> {
+    match sources.images.find(name, scene) {
+        Some(index) => Ok(index),
+        None => add(name, Err(reason), asker, scene, sources),
+    }
+}
+
 fn add(
     name: &str,
     decoded: Result<Image, String>,

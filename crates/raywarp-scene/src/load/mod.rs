@@ -1,17 +1,22 @@
 //! From files to a [`Scene`]: the extension picks the reader.
 
+mod colors;
 mod error;
 mod gltf;
+mod hash;
 mod images;
 mod mtl;
 mod obj;
 mod ply;
+mod precision;
 pub mod quote;
-mod repair;
+pub(crate) mod repair;
 mod source;
+mod stl;
 mod text;
 pub(crate) mod toml;
 mod triangulate;
+mod untextured;
 
 use std::path::{Path, PathBuf};
 
@@ -26,6 +31,9 @@ pub struct Loaded {
     pub scene: Scene,
     /// Each thing that is not as the file asks, once, in the order found.
     pub warnings: Vec<Warning>,
+    /// What is as the file asks and yet worth knowing, such as digits that single precision does not hold.
+    /// [`LoadOptions::strict`] makes no errors of these.
+    pub notes: Vec<Warning>,
     /// Every file on disk that is part of the scene, textures and missing ones included, once, in the order asked for:
     /// the scene may change when one of them does.
     pub files: Vec<PathBuf>,
@@ -41,7 +49,7 @@ pub struct Attempt {
 }
 
 /// Extensions that [`load`] knows, without the dot.
-pub const EXTENSIONS: [&str; 5] = ["obj", "ply", "gltf", "glb", "toml"];
+pub const EXTENSIONS: [&str; 6] = ["obj", "ply", "stl", "gltf", "glb", "toml"];
 
 /// What the built-in scene is called where a scene file starts from it.
 pub const BUILT_IN: &str = "built-in";
@@ -83,13 +91,16 @@ pub fn builtin() -> Result<Loaded, LoadError> {
 /// Reads one file of any known format; scene files call it for the meshes they name.
 pub(crate) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadError> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    match extension.as_str() {
+    let mut scene = match extension.as_str() {
         "obj" => obj::read(path, sources),
         "ply" => ply::read(path, sources),
+        "stl" => stl::read(path, sources),
         "gltf" | "glb" => gltf::read(path, sources),
         "toml" => toml::read(path, sources),
         _ => Err(LoadError::unknown_format(path)),
-    }
+    }?;
+    untextured::settle(path, &mut scene, sources)?;
+    Ok(scene)
 }
 
 #[cfg(test)]
@@ -101,6 +112,42 @@ mod tests {
     fn names(files: &[PathBuf]) -> Vec<String> {
         let name = |file: &PathBuf| file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         files.iter().map(name).collect()
+    }
+
+    /// Whatever a file says, messages are text that no terminal obeys.
+    #[test]
+    fn control_characters_never_reach_a_message() {
+        let folder = tempfile::tempdir().unwrap();
+        let gltf = r#"{"asset":{"version":"2.0"},"extensionsUsed":["A_\u001b[31m"],"buffers":[{"byteLength":4,
+                       "uri":"b\u001b[31m.bin"}],"accessors":[{"bufferView":0,"componentType":5126,"count":1,"type":"VEC3"}],
+                       "bufferViews":[{"buffer":0,"byteLength":4}],"meshes":[{"name":"\u001b","primitives":[{"attributes":
+                       {"POSITION":0}}]}],"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}]}"#;
+        for (name, text) in [
+            (
+                "a.obj",
+                "mtllib b\u{1b}[31m.mtl\nv 0 0 0\n\u{1b}[31m\ng \u{9b}31m\nusemtl \u{1b}c\nf 1 1 1 \nx\u{202e} 1",
+            ),
+            ("b.obj", "v 0 \u{1b}[31m 0"),
+            (
+                "a.ply",
+                "ply\nformat ascii 1.0\ncomment TextureFile \u{1b}[31m.png\nelement vertex 1\nproperty float \u{1b}\n",
+            ),
+            ("a.stl", "solid \u{1b}\n\u{1b}[31m\nvertex 1 \u{1b} 1"),
+            ("a.gltf", gltf),
+            ("a.toml", "version = 1\n[[meshes]]\nfile = \"\\u001b[31m.obj\""),
+            ("b.toml", "version = 1\n[[instances]]\nmesh = \"\\u001b[31m\""),
+            ("c.toml", "version = 1\nbase = \"\\u001b[31m\\n.obj\""),
+        ] {
+            let path = folder.path().join(name);
+            fs::write(&path, text).unwrap();
+            let messages = match load(&path, &LoadOptions::default()) {
+                Ok(loaded) => loaded.warnings.iter().map(ToString::to_string).collect(),
+                Err(error) => vec![error.to_string()],
+            };
+            assert!(!messages.is_empty(), "{name} has something to say");
+            let garbled = |message: &String| message.contains(|c: char| c.is_control() || c == '\u{202e}');
+            assert!(!messages.iter().any(garbled), "{name}: {messages:?}");
+        }
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Text from files in messages: printable and short, whatever it was.
 
+use std::borrow::Cow;
+
 /// Longest quote, in characters; enough to find a place by.
 const LONGEST_QUOTE: usize = 40;
 /// Longest file name: its end tells more than its beginning.
@@ -17,13 +19,29 @@ pub fn quote(bytes: &[u8]) -> String {
 }
 
 /// A file name that a file gave, escaped and cut at its beginning.
-pub(super) fn file_name(name: &str) -> String {
+pub fn file_name(name: &str) -> String {
     let count = name.chars().count();
     let dots = if count > LONGEST_NAME { "..." } else { "" };
     let shown = name.chars().skip(count.saturating_sub(LONGEST_NAME));
-    // Only what would garble a terminal is escaped: an apostrophe or a backslash is part of a name.
-    let shown: String = shown.map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect();
-    format!("{dots}{shown}")
+    // An apostrophe or a backslash is part of a name.
+    format!("{dots}{}", printable(&shown.collect::<String>()))
+}
+
+/// A text without what would garble a terminal or turn the text around: in place of each control character, line end and
+/// mark of direction stands U+FFFD.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    match text.contains(garbles) {
+        true => Cow::Owned(text.replace(garbles, "\u{fffd}")),
+        false => Cow::Borrowed(text),
+    }
+}
+
+/// Whether a terminal would obey a character instead of showing it, or show what follows in another order.
+pub fn garbles(c: char) -> bool {
+    let is_line_end = matches!(c, '\u{2028}' | '\u{2029}');
+    let is_direction =
+        matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    c.is_control() || is_line_end || is_direction
 }
 
 #[cfg(test)]
@@ -37,6 +55,12 @@ mod tests {
         assert_eq!(quote(&[b'x'; 1_000_000]), format!("'{}...'", "x".repeat(40)));
         assert_eq!(quote(&[0xff; 1000]).chars().count(), 45);
         assert_eq!(quote("ü".repeat(40).as_bytes()), format!("'{}'", "ü".repeat(40)));
+    }
+
+    #[test]
+    fn what_garbles_is_replaced() {
+        assert_eq!(printable("\u{1b}[31mred\u{9b}0m\ta\u{202e}b"), "\u{fffd}[31mred\u{fffd}0m\u{fffd}a\u{fffd}b");
+        assert!(matches!(printable("Stra\u{df}e 'a\\b'"), Cow::Borrowed(_)));
     }
 
     #[test]

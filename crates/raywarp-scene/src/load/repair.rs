@@ -28,7 +28,7 @@ fn retain<T>(list: &mut Vec<T>, keep: &[bool]) {
 }
 
 /// The vector at length 1; zero, which stands for the flat normal, if it has no direction.
-pub(super) fn unit_or_zero(vector: [f32; 3]) -> [f32; 3] {
+pub(crate) fn unit_or_zero(vector: [f32; 3]) -> [f32; 3] {
     // In f64 no finite f32 overflows or vanishes when squared.
     let length = vector.iter().map(|&x| f64::from(x) * f64::from(x)).sum::<f64>().sqrt();
     match length.is_finite() && length > 0.0 {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::Place;
 use super::images::ImageIndices;
+use super::quote::printable;
 use super::{LoadError, Loaded};
 use crate::Scene;
 
@@ -16,7 +17,7 @@ pub struct LoadOptions {
     pub strict: bool,
 }
 
-/// Something that is not as the file asks, and what was done instead.
+/// Something that is not as the file asks, and what was done instead. Shown, it is one line of printable text.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Warning {
     /// The file that asks.
@@ -29,11 +30,11 @@ pub struct Warning {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.path.display())?;
+        write!(f, "{}", printable(&self.path.to_string_lossy()))?;
         if let Some(line) = self.line {
             write!(f, ":{line}")?;
         }
-        write!(f, ": {}", self.message)
+        write!(f, ": {}", printable(&self.message))
     }
 }
 
@@ -41,6 +42,7 @@ impl fmt::Display for Warning {
 pub struct Sources {
     options: LoadOptions,
     warnings: Vec<Warning>,
+    notes: Vec<Warning>,
     seen: HashSet<Warning>,
     pub(super) images: ImageIndices,
     /// Files in memory, by their paths.
@@ -65,6 +67,7 @@ impl Sources {
         Self {
             options: *options,
             warnings: Vec::new(),
+            notes: Vec::new(),
             seen: HashSet::new(),
             images: ImageIndices::default(),
             files: HashMap::new(),
@@ -153,6 +156,20 @@ impl Sources {
         Ok(())
     }
 
+    /// Records what a person may want to know of a file and what is as it asks: no reason to refuse it, whatever the
+    /// options say.
+    pub(super) fn inform(&mut self, path: &Path, message: String) {
+        let note = Warning { path: path.to_owned(), line: None, message };
+        if self.seen.insert(note.clone()) {
+            self.notes.push(note);
+        }
+    }
+
+    /// Whether there is such a file, in memory or on disk.
+    pub(super) fn has(&self, path: &Path) -> bool {
+        self.files.contains_key(path) || path.exists()
+    }
+
     /// The whole file.
     ///
     /// # Errors
@@ -194,7 +211,7 @@ impl Sources {
 
     /// The scene that was read, with what was recorded on the way.
     pub(super) fn into_loaded(self, scene: Scene) -> Loaded {
-        Loaded { scene, warnings: self.warnings, files: self.asked }
+        Loaded { scene, warnings: self.warnings, notes: self.notes, files: self.asked }
     }
 }
 

@@ -29,19 +29,26 @@ impl Triangulator {
         }
     }
 
-    /// Triangles over the corners of a polygon, in its winding: always two fewer than corners, even if it is degenerate,
-    /// crosses itself or is not finite.
+    /// Triangles over the corners of a polygon, in its winding: two fewer than it has corners that differ from the one
+    /// before, even if it is degenerate, crosses itself or is not finite.
     pub fn cut(&mut self, polygon: &[[f32; 3]]) -> &[[u32; 3]] {
         self.triangles.clear();
-        let corners = polygon.len() as u32;
+        self.ring.clear();
+        self.ring.extend((0..polygon.len()).filter(|&at| polygon[at] != before(polygon, at)).map(|at| at as u32));
         match area_vector(polygon) {
-            Some(area) if !fan_fits(polygon, area) => {
+            Some(area) if !fan_fits(polygon, &self.ring, area) => {
                 self.flatten(polygon, area);
-                self.clip_ears(corners);
+                self.clip_ears();
             }
-            _ => self.triangles.extend((1..corners - 1).map(|i| [0, i, i + 1])),
+            _ => self.fan(),
         }
         &self.triangles
+    }
+
+    /// What is left of the ring, around its first corner.
+    fn fan(&mut self) {
+        let Some((&hub, rim)) = self.ring.split_first() else { return };
+        self.triangles.extend(rim.windows(2).map(|pair| [hub, pair[0], pair[1]]));
     }
 
     /// A triangle of the latest polygon.
@@ -60,21 +67,23 @@ impl Triangulator {
         self.flat.extend(polygon.iter().map(|p| [f64::from(p[u]), f64::from(p[v])]));
     }
 
-    /// Meisters 1975. Where no ear is left, as in polygons that cross themselves, the next corner is cut anyway; where
-    /// the budget ends, what is left is cut as a fan.
-    fn clip_ears(&mut self, corners: u32) {
-        self.ring.clear();
-        self.ring.extend(0..corners);
+    /// Meisters 1975. Where no ear is left, a corner without an area is cut, which changes nothing; without such, as in
+    /// polygons that cross themselves, the next one is. Where the budget ends, what is left is cut as a fan.
+    fn clip_ears(&mut self) {
         self.reflex.clear();
-        for at in 0..corners {
-            if self.bulges_in(at as usize) {
-                self.reflex.push(at);
+        for at in 0..self.ring.len() {
+            if self.bulges_in(at) {
+                self.reflex.push(self.ring[at]);
             }
         }
         let (mut at, mut passed_over) = (0, 0);
         while self.ring.len() > 3 && self.budget > 0 {
             at %= self.ring.len();
-            if passed_over == self.ring.len() || self.is_ear(at) {
+            if passed_over == self.ring.len() {
+                at = self.flat_corner().unwrap_or(at);
+                self.clip(at);
+                passed_over = 0;
+            } else if self.is_ear(at) {
                 self.clip(at);
                 passed_over = 0;
             } else {
@@ -83,7 +92,7 @@ impl Triangulator {
             at += 1;
         }
         self.unfinished += usize::from(self.ring.len() > 3);
-        self.triangles.extend(self.ring[1..].windows(2).map(|pair| [self.ring[0], pair[0], pair[1]]));
+        self.fan();
     }
 
     fn clip(&mut self, at: usize) {
@@ -108,6 +117,11 @@ impl Triangulator {
             (None, true) => self.reflex.push(corner),
             _ => {}
         }
+    }
+
+    fn flat_corner(&mut self) -> Option<usize> {
+        self.spend(self.ring.len());
+        (0..self.ring.len()).find(|&at| turn(self.points(self.ear(at))) == 0.0)
     }
 
     fn spend(&mut self, tests: usize) {
@@ -155,9 +169,16 @@ fn area_vector(polygon: &[[f32; 3]]) -> Option<[f64; 3]> {
     (square.is_finite() && square > 0.0).then_some(area)
 }
 
-/// Whether all triangles of the fan around the first corner wind as the polygon does.
-fn fan_fits(polygon: &[[f32; 3]], area: [f64; 3]) -> bool {
-    polygon.len() == 3 || polygon[1..].windows(2).all(|pair| dot(cross(polygon[0], pair[0], pair[1]), area) > 0.0)
+/// The corner before another, all the way round.
+fn before(polygon: &[[f32; 3]], at: usize) -> [f32; 3] {
+    polygon[at.checked_sub(1).unwrap_or(polygon.len() - 1)]
+}
+
+/// Whether all triangles of the fan around the first corner of a ring wind as the polygon does.
+fn fan_fits(polygon: &[[f32; 3]], ring: &[u32], area: [f64; 3]) -> bool {
+    let corner = |at: u32| polygon[at as usize];
+    let Some((&hub, rim)) = ring.split_first() else { return true };
+    rim.len() == 2 || rim.windows(2).all(|pair| dot(cross(corner(hub), corner(pair[0]), corner(pair[1])), area) > 0.0)
 }
 
 fn cross(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> [f64; 3] {
@@ -222,11 +243,40 @@ mod tests {
     }
 
     #[test]
+    fn corners_that_repeat_go_first() {
+        let dart = flat(&[[0.5, 1.0], [0.0, 0.0], [0.0, 0.0], [2.0, 1.0], [0.0, 2.0], [0.0, 2.0]]);
+        for start in 0..6 {
+            let mut turned = dart.clone();
+            turned.rotate_left(start);
+            let areas = areas(&turned, &cut(&turned));
+            assert!(areas.len() == 2 && areas.iter().all(|&area| area > 0.0), "{areas:?}");
+        }
+        assert_eq!(cut(&flat(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0], [0.0, 0.0]])), [[1, 2, 4]]);
+    }
+
+    /// A star-shaped polygon around the origin, its corners on a grid so fine that their middles are floats too.
+    fn star(radii: &[f32]) -> Vec<[f32; 2]> {
+        let corner = |(at, radius): (usize, &f32)| {
+            let (sin, cos) = (std::f64::consts::TAU * at as f64 / radii.len() as f64).sin_cos();
+            [cos, sin].map(|x| ((f64::from(*radius) * x * 4096.0).round() / 4096.0) as f32)
+        };
+        radii.iter().enumerate().map(corner).collect()
+    }
+
+    /// By the edges that a line to the right crosses.
+    fn is_inside(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+        let edges = polygon.iter().zip(polygon.iter().cycle().skip(1));
+        let crossed =
+            edges.filter(|(a, b)| (a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]));
+        crossed.count() % 2 == 1
+    }
+
+    #[test]
     fn what_cannot_be_cut_well_is_cut_all_the_same() {
         let star: Vec<_> = (0..5).map(|i| (i as f32 * 2.0 * std::f32::consts::TAU / 5.0).sin_cos()).collect();
         let star = flat(&star.iter().map(|p| [p.0, p.1]).collect::<Vec<_>>());
         assert_eq!(cut(&star).len(), 3);
-        assert_eq!(cut(&[[1.0; 3]; 6]).len(), 4);
+        assert_eq!(cut(&[[1.0; 3]; 6]).len(), 0);
         assert_eq!(cut(&[[f32::NAN; 3]; 6]).len(), 4);
         assert_eq!(cut(&flat(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]])).len(), 2);
     }
@@ -265,6 +315,36 @@ mod tests {
         #[test]
         fn any_corners_at_all_are_cut(points in prop::collection::vec(prop::array::uniform3(any::<f32>()), 3..30)) {
             prop_assert_eq!(cut(&points).len(), points.len() - 2);
+        }
+
+        /// Corners that repeat and corners on edges change nothing: every point is covered once inside and never outside.
+        #[test]
+        fn odd_corners_do_not_change_a_polygon(
+            radii in prop::collection::vec(0.1_f32..1.0, 3..20),
+            odd in prop::collection::vec((any::<prop::sample::Index>(), prop::bool::ANY), 1..8),
+            start in any::<prop::sample::Index>(),
+            seen in prop::collection::vec((-1.0_f64..1.0, -1.0_f64..1.0), 40),
+        ) {
+            let mut points = star(&radii);
+            for (at, repeat) in odd {
+                let at = at.index(points.len());
+                let (a, b) = (points[at], points[(at + 1) % points.len()]);
+                // The middle of an edge of multiples of 1/4096 is exact.
+                points.insert(at + 1, if repeat { a } else { [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0] });
+            }
+            let turn_by = start.index(points.len());
+            points.rotate_left(turn_by);
+            let polygon = flat(&points);
+            let triangles = cut(&polygon);
+            let areas = areas(&polygon, &triangles);
+            let whole = area_vector(&polygon).map_or(0.0, |area| area[2]);
+            prop_assert!((areas.iter().map(|area| area.abs()).sum::<f64>() - whole).abs() < 1e-9, "{:?}", areas);
+            for (x, y) in seen {
+                let corners = |t: &[u32; 3]| t.map(|corner| points[corner as usize].map(f64::from)).to_vec();
+                let covered = triangles.iter().filter(|t| is_inside(&corners(t), [x, y])).count();
+                let wide: Vec<_> = points.iter().map(|p| p.map(f64::from)).collect();
+                prop_assert_eq!(covered, usize::from(is_inside(&wide, [x, y])));
+            }
         }
     }
 }

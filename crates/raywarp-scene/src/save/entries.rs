@@ -104,7 +104,7 @@ impl Sky {
 pub struct Render {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<[u32; 2]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "samples", skip_serializing_if = "Option::is_none")]
     pub spp: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_depth: Option<u32>,

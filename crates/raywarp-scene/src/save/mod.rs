@@ -5,7 +5,7 @@
 //!
 //! ```
 //! use std::path::Path;
-//! use raywarp::scene::{load, save};
+//! use raywarp_scene::{load, save};
 //!
 //! let loaded = load::builtin()?;
 //! let mut now = loaded.scene.outline();

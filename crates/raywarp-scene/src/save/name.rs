@@ -4,14 +4,15 @@ use std::ffi::OsStr;
 use std::path::{Component, Path, PathBuf};
 
 use super::{Original, SaveError};
+use crate::write::Identity;
 
 /// Refuses a target that could not be read, or that the scene is made of: the new file would be its own base.
 pub fn check_target(original: &Original, target: &Path) -> Result<(), SaveError> {
     if !target.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
         return Err(SaveError::Extension(target.to_owned()));
     }
-    let (Original::File { path, files }, Ok(real)) = (original, target.canonicalize()) else { return Ok(()) };
-    let same = |file: &Path| file.canonicalize().is_ok_and(|file| file == real);
+    let (Original::File { path, files }, Some(written)) = (original, Identity::of(target)) else { return Ok(()) };
+    let same = |file: &Path| Identity::of(file).as_ref() == Some(&written);
     if same(path) || files.iter().any(|file| same(file)) {
         return Err(SaveError::Original(target.to_owned()));
     }
@@ -41,4 +42,22 @@ fn real_folder(file: &Path) -> Result<PathBuf, SaveError> {
         _ => Path::new("."),
     };
     folder.canonicalize().map_err(|source| SaveError::Folder { path: folder.to_owned(), source })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_the_scene_lacks_is_not_written_either() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("a.toml"), "").unwrap();
+        let (path, files) = (at("a.toml"), [at("a.toml"), at("missing.toml")]);
+        let original = Original::File { path: &path, files: &files };
+        for name in ["a.toml", "missing.toml"] {
+            assert!(matches!(check_target(&original, &at(name)), Err(SaveError::Original(_))), "{name}");
+        }
+        assert!(check_target(&original, &at("b.toml")).is_ok());
+    }
 }

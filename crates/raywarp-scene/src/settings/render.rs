@@ -45,13 +45,13 @@ impl RenderDefaults {
     }
 }
 
-/// What is given, with commas, as the options of the command line name it: "size 640x480, spp 16".
+/// What is given, with commas, as the options of the command line name it: "size 640x480, samples 16".
 impl fmt::Display for RenderDefaults {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let switched = |on: bool| if on { "on" } else { "off" };
         let given = [
             self.size.map(|[width, height]| format!("size {width}x{height}")),
-            self.spp.map(|n| format!("spp {n}")),
+            self.spp.map(|n| format!("samples {n}")),
             self.max_depth.map(|n| format!("max depth {n}")),
             self.shadows.map(|on| format!("shadows {}", switched(on))),
             self.seed.map(|n| format!("seed {n}")),
@@ -73,7 +73,7 @@ mod tests {
         let first = RenderDefaults { spp: Some(4), shadows: Some(true), ..RenderDefaults::default() };
         let second = RenderDefaults { spp: Some(9), shadows: Some(false), seed: Some(3), ..RenderDefaults::default() };
         let both = first.or(&second);
-        assert_eq!(both.to_string(), "spp 4, shadows on, seed 3");
+        assert_eq!(both.to_string(), "samples 4, shadows on, seed 3");
         assert_eq!(RenderDefaults::default().to_string(), "");
     }
 }

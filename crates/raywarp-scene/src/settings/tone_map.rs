@@ -17,14 +17,19 @@ pub enum ToneMap {
 impl ToneMap {
     /// Every curve.
     pub const ALL: [Self; 2] = [Self::Clamp, Self::Filmic];
+
+    /// The name that [`FromStr`] reads.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Clamp => "clamp",
+            Self::Filmic => "filmic",
+        }
+    }
 }
 
 impl fmt::Display for ToneMap {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Clamp => "clamp",
-            Self::Filmic => "filmic",
-        })
+        f.pad(self.name())
     }
 }
 
@@ -32,7 +37,7 @@ impl FromStr for ToneMap {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let found = Self::ALL.into_iter().find(|curve| curve.to_string() == text);
+        let found = Self::ALL.into_iter().find(|curve| curve.name() == text);
         found.ok_or_else(|| "the curves are clamp and filmic".to_owned())
     }
 }

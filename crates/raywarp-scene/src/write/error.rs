@@ -1,7 +1,7 @@
 //! What can go wrong with a file that is written, as sentences.
 
 use std::io::{Error, ErrorKind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Why a file could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -34,6 +34,25 @@ pub enum WriteError {
         /// Size of the file.
         bytes: u64,
     },
+    /// The same run reads the file.
+    #[error("cannot write {}: {}. Give another name", path.display(), is_read(path, read))]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The name that it is read by.
+        read: PathBuf,
+    },
+    /// The same run writes the file under this or another name.
+    #[error("{}", written_twice(path, other))]
+    Twice {
+        /// The file.
+        path: PathBuf,
+        /// Its other name.
+        other: PathBuf,
+    },
+    /// There is something of that name already, and it was not to be replaced.
+    #[error("cannot write {}: there is one already. Give another name", .0.display())]
+    Exists(PathBuf),
     /// Any other failure of the file system.
     #[error("cannot write {}: {source}", path.display())]
     Write {
@@ -44,12 +63,33 @@ pub enum WriteError {
     },
 }
 
+fn is_read(path: &Path, read: &Path) -> String {
+    if path == read {
+        "it is read, and would be lost".to_owned()
+    } else {
+        format!("it is the same file as {}, which is read, and would be lost", super::name(read, "standard input"))
+    }
+}
+
+fn written_twice(path: &Path, other: &Path) -> String {
+    let path = super::name(path, "standard output");
+    let other = super::name(other, "standard output");
+    if path == other {
+        format!("two outputs have the same name, {path}: give each its own")
+    } else {
+        format!("two outputs are the same file, {other} and {path}: give each its own")
+    }
+}
+
 impl WriteError {
     pub(super) fn from_io(path: PathBuf, bytes: u64, source: Error) -> Self {
         match source.kind() {
             ErrorKind::StorageFull | ErrorKind::QuotaExceeded => Self::Full { path, bytes },
             ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => Self::Denied { path, source },
             ErrorKind::IsADirectory => Self::Directory(path),
+            ErrorKind::AlreadyExists => Self::Exists(path),
+            // The folder was there when its name was looked at.
+            ErrorKind::NotFound => Self::NoDirectory { directory: super::directory_of(&path), path },
             _ => Self::Write { path, source },
         }
     }

@@ -1,17 +1,35 @@
 //! Files that are whole or not there.
 
 mod error;
+mod identity;
+mod outputs;
+mod temporary;
 
-use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
+use tempfile::NamedTempFile;
+
 pub use error::WriteError;
+pub(crate) use identity::Identity;
+pub use outputs::Outputs;
+pub use temporary::beside as temporary;
+
+/// The path that stands for standard output.
+pub const STANDARD: &str = "-";
 
 /// Whether a path is `-`.
 pub fn is_dash(path: &Path) -> bool {
-    path.as_os_str() == "-"
+    path.as_os_str() == STANDARD
+}
+
+/// A path for people, who know what `-` stands for.
+pub fn name(path: &Path, dash: &str) -> String {
+    match is_dash(path) {
+        true => dash.to_owned(),
+        false => path.display().to_string(),
+    }
 }
 
 /// Finds out whether [`file()`] can be expected to succeed, before hours of work.
@@ -24,7 +42,7 @@ pub fn check(path: &Path) -> Result<(), WriteError> {
     }
     match Target::of(path)? {
         Target::Special(_) => Ok(()),
-        Target::File(target) => Temporary::create(&target).map(drop).map_err(|e| from_io(path, 0, e)),
+        Target::File(target) => temporary::beside(&target).map(drop).map_err(|e| from_io(path, 0, e)),
     }
 }
 
@@ -61,6 +79,20 @@ pub fn with(path: &Path, bytes: u64, fill: impl FnOnce(&mut File) -> io::Result<
         }
     };
     written.map_err(|error| from_io(path, bytes, error))
+}
+
+/// As [`file()`], but only where there is nothing of that name, be it a link that leads nowhere.
+///
+/// # Errors
+/// As [`file()`], and [`WriteError::Exists`].
+pub fn new_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    if path.symlink_metadata().is_ok() {
+        return Err(WriteError::Exists(path.to_owned()));
+    }
+    let Target::File(target) = Target::of(path)? else { return Err(WriteError::Exists(path.to_owned())) };
+    let written = filled(&target, |file| file.write_all(bytes));
+    let written = written.and_then(|file| file.persist_noclobber(&target).map(drop).map_err(|failed| failed.error));
+    written.map_err(|error| from_io(path, bytes.len() as u64, error))
 }
 
 /// What a pipe gets has to be in order: a file without a name holds it until it is.
@@ -126,41 +158,18 @@ impl Target {
 }
 
 fn replace(target: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
-    let mut temporary = Temporary::create(target)?;
-    fill(&mut temporary.file)?;
+    let temporary = filled(target, fill)?;
+    temporary.persist(target).map(drop).map_err(|failed| failed.error)
+}
+
+/// A file beside the target that only lacks its name.
+fn filled(target: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<NamedTempFile> {
+    let mut temporary = temporary::beside(target)?;
+    temporary::take_over_permissions(temporary.as_file(), target)?;
+    fill(temporary.as_file_mut())?;
     // Else a power failure could leave the new name with none of the contents.
-    temporary.file.sync_all()?;
-    fs::rename(&temporary.path, target)?;
-    temporary.renamed = true;
-    Ok(())
-}
-
-/// A file beside its target that goes when it is not renamed.
-struct Temporary {
-    path: PathBuf,
-    file: File,
-    renamed: bool,
-}
-
-impl Temporary {
-    fn create(target: &Path) -> io::Result<Self> {
-        let mut name = OsString::from(".");
-        name.push(target.file_name().unwrap_or_default());
-        name.push(format!(".{}.tmp", std::process::id()));
-        let path = directory_of(target).join(name);
-        // A file of this name is the remains of a process that was killed.
-        let file = File::create(&path)?;
-        Ok(Self { path, file, renamed: false })
-    }
-}
-
-impl Drop for Temporary {
-    fn drop(&mut self) {
-        if !self.renamed {
-            // Nothing better can be done where even this fails.
-            let _ = fs::remove_file(&self.path);
-        }
-    }
+    temporary.as_file().sync_all()?;
+    Ok(temporary)
 }
 
 #[cfg(test)]
@@ -208,6 +217,39 @@ mod tests {
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn a_file_keeps_its_permissions_and_a_new_one_has_the_usual_ones() {
+        use std::os::unix::fs::PermissionsExt;
+        let directory = tempfile::tempdir().unwrap();
+        let (path, usual) = (directory.path().join("a.png"), directory.path().join("usual"));
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
+        fs::write(&usual, "").unwrap();
+        file(&path, b"new").unwrap();
+        assert_eq!(mode(&path), mode(&usual));
+        for bits in [0o640, 0o600, 0o666] {
+            fs::set_permissions(&path, fs::Permissions::from_mode(bits)).unwrap();
+            file(&path, b"newer").unwrap();
+            assert_eq!(mode(&path) & 0o777, bits);
+        }
+    }
+
+    #[test]
+    fn a_new_file_replaces_nothing() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.png");
+        new_file(&path, b"first").unwrap();
+        assert!(matches!(new_file(&path, b"second"), Err(WriteError::Exists(_))));
+        assert_eq!((fs::read(&path).unwrap(), names(directory.path())), (b"first".to_vec(), vec!["a.png".to_owned()]));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_told_with_what_is_needed() {
+        let error = file(Path::new("/dev/full"), &[0; 5000]).unwrap_err();
+        assert!(error.to_string().contains("the disk is full (5000 bytes are needed)"), "{error}");
+    }
+
     #[test]
     fn what_cannot_be_written_is_said() {
         let directory = tempfile::tempdir().unwrap();
@@ -215,5 +257,9 @@ mod tests {
         assert!(matches!(file(directory.path(), b""), Err(WriteError::Directory(_))));
         assert!(matches!(check(&inside("none/a.png")), Err(WriteError::NoDirectory { .. })));
         assert!(names(directory.path()).is_empty());
+        let gone = inside("gone");
+        fs::create_dir(&gone).unwrap();
+        let vanished = with(&gone.join("a.png"), 0, |_| fs::remove_dir_all(&gone)).unwrap_err();
+        assert!(matches!(vanished, WriteError::NoDirectory { .. }), "{vanished}");
     }
 }

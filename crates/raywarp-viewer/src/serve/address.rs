@@ -3,7 +3,12 @@
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener, ToSocketAddrs};
 
+use socket2::{Domain, Socket, Type};
+
 use super::{ServeError, Token};
+
+/// Connections that the system holds until they are taken.
+const QUEUE: i32 = 1024;
 
 /// Takes a port; its address is known then even where the system chose it.
 pub fn bind(host: &str, port: u16) -> Result<(TcpListener, SocketAddr), ServeError> {
@@ -17,10 +22,33 @@ pub fn bind(host: &str, port: u16) -> Result<(TcpListener, SocketAddr), ServeErr
             _ => ServeError::Port { host, port, reason },
         }
     };
-    let listener = TcpListener::bind(&places[..]).map_err(refused)?;
-    listener.set_nonblocking(true).map_err(refused)?;
+    let listener = listen(&places).map_err(refused)?;
     let at = listener.local_addr().map_err(refused)?;
     Ok((listener, at))
+}
+
+/// Listens at the first place that can be had.
+fn listen(places: &[SocketAddr]) -> io::Result<TcpListener> {
+    let mut failed = io::Error::from(io::ErrorKind::AddrNotAvailable);
+    for &place in places {
+        match listen_at(place) {
+            Ok(listener) => return Ok(listener),
+            Err(error) => failed = error,
+        }
+    }
+    Err(failed)
+}
+
+/// As the standard library does, but with a longer queue: what does not fit tries again a second later.
+fn listen_at(place: SocketAddr) -> io::Result<TcpListener> {
+    let socket = Socket::new(Domain::for_address(place), Type::STREAM, None)?;
+    // Elsewhere than on Unix this would let two programs have the same port.
+    #[cfg(unix)]
+    socket.set_reuse_address(true)?;
+    socket.set_nonblocking(true)?;
+    socket.bind(&place.into())?;
+    socket.listen(QUEUE)?;
+    Ok(socket.into())
 }
 
 /// What to open in a browser. The token is behind the `#`: browsers keep that part to themselves.
@@ -30,7 +58,7 @@ pub fn url(at: SocketAddr, token: Option<&Token>) -> String {
         ip if ip.is_unspecified() => format!("{}:{port}", machine()),
         _ => at.to_string(),
     };
-    let secret = token.map_or(String::new(), |token| format!("#token={}", token.text()));
+    let secret = token.map_or(String::new(), |token| format!("#token={}", token.encoded()));
     format!("http://{place}/{secret}")
 }
 

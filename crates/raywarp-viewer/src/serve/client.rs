@@ -7,11 +7,11 @@ use std::time::Duration;
 use tokio::sync::Notify;
 
 use super::encoder::Encoder;
-use super::hall::lock;
 use super::inbox::{Inbox, Taken};
 use super::outbox::Outbox;
 use super::pace::Pace;
 use super::quality::{Quality, Setting};
+use super::registry::lock;
 use crate::live::Event;
 
 /// What the two sides share. Nothing in it grows: input waits for room, and of output only the latest is kept.
@@ -24,6 +24,8 @@ pub struct Client {
     inbox: Mutex<Inbox>,
     room: Notify,
     flow: Mutex<Flow>,
+    /// Why the last file could not be made, until the render thread tells.
+    failure: Mutex<Option<String>>,
     arrived: Notify,
     newest: AtomicU32,
     visible: AtomicBool,
@@ -45,6 +47,7 @@ impl Client {
             inbox: Mutex::default(),
             room: Notify::new(),
             flow: Mutex::default(),
+            failure: Mutex::default(),
             arrived: Notify::new(),
             newest: AtomicU32::new(0),
             visible: AtomicBool::new(true),
@@ -143,6 +146,15 @@ impl Client {
     /// How pictures are to be encoded now.
     pub fn setting(&self) -> Setting {
         lock(&self.flow).quality.setting()
+    }
+
+    /// A file that was asked for could not be made.
+    pub fn file_failed(&self, why: String) {
+        *lock(&self.failure) = Some(why);
+    }
+
+    pub fn take_file_failure(&self) -> Option<String> {
+        lock(&self.failure).take()
     }
 
     pub fn set_visible(&self, visible: bool) {

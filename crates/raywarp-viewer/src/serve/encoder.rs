@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
 use super::client::Client;
-use super::hall::lock;
 use super::outbox::Frame;
+use super::registry::lock;
 use super::stripes::{encode, Coding};
 use crate::live::Picture;
 

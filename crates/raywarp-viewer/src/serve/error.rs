@@ -39,11 +39,11 @@ pub enum ServeError {
     },
     /// A token that cannot be used.
     #[error(
-        "a token has 8 to 128 letters, digits, '-' or '_': this one has {0}; leave it out to get one made at random"
+        "a token has 8 to 128 characters, none of them a control character, and no space at either end; this has {0}"
     )]
     Token(String),
     /// The system has no random numbers.
-    #[error("the system gives no random numbers for a token: {0}; give one with --token")]
+    #[error("the system gives no random numbers for a token: {0}")]
     Random(getrandom::Error),
     /// The threads of the server cannot be started.
     #[error("cannot start the threads of the server: {0}; the limit of processes may be reached")]

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
+use axum::extract::Extension;
 use axum::extract::{State, WebSocketUpgrade};
 use axum::http::{header, HeaderMap, Method, StatusCode, Uri};
 use axum::response::{IntoResponse, Response};
@@ -13,18 +14,18 @@ use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time::{sleep, timeout};
 
 use super::address::is_own;
-use super::hall::Hall;
+use super::connections::{Connection, Connections};
 use super::protocol::MAX_MESSAGE;
-use super::{socket, ServeOptions};
+use super::registry::ClientRegistry;
+use super::{socket, Patience, ServeOptions};
 
-/// Most connections that have not become a client's: requests, and sockets without a greeting.
-const LOBBY: usize = 64;
 /// Headers of a request, in bytes.
 const MAX_HEAD: usize = 16 << 10;
+/// What is read of a WebSocket at once, in bytes. Clients write little.
+const READ: usize = 8 << 10;
 
 /// The page's own files and nothing else; no other page may frame it.
 const POLICY: &str =
@@ -34,7 +35,7 @@ const PLAIN: &str = "text/plain; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
 /// The page: path, media type, content.
-const FILES: [(&str, &str, &str); 9] = [
+const FILES: [(&str, &str, &str); 10] = [
     ("/", "text/html; charset=utf-8", include_str!("page/index.html")),
     ("/style.css", "text/css; charset=utf-8", include_str!("page/style.css")),
     ("/viewer.js", SCRIPT, include_str!("page/viewer.js")),
@@ -42,53 +43,61 @@ const FILES: [(&str, &str, &str); 9] = [
     ("/link.js", SCRIPT, include_str!("page/link.js")),
     ("/panel.js", SCRIPT, include_str!("page/panel.js")),
     ("/picture.js", SCRIPT, include_str!("page/picture.js")),
+    ("/secret.js", SCRIPT, include_str!("page/secret.js")),
     ("/stats.js", SCRIPT, include_str!("page/stats.js")),
     ("/words.js", SCRIPT, include_str!("page/words.js")),
 ];
 
 /// What every request needs.
 #[derive(Debug)]
-pub struct House {
-    pub hall: Arc<Hall>,
+pub struct AppState {
+    pub registry: Arc<ClientRegistry>,
     pub options: ServeOptions,
-    requests: Arc<Semaphore>,
-    lobby: Arc<Semaphore>,
+    connections: Arc<Connections>,
 }
 
-impl House {
-    pub fn new(hall: Arc<Hall>, options: ServeOptions) -> Self {
-        Self { hall, options, requests: Arc::new(Semaphore::new(LOBBY)), lobby: Arc::new(Semaphore::new(LOBBY)) }
+impl AppState {
+    pub fn new(registry: Arc<ClientRegistry>, options: ServeOptions) -> Self {
+        let connections = Connections::new(options.connections);
+        Self { registry, options, connections }
     }
 }
 
-/// Takes connections for ever. Those beyond the limit wait in the system's queue.
-pub async fn listen(listener: TcpListener, house: Arc<House>) {
-    let router = Router::new().route("/live", any(live)).fallback(page).with_state(Arc::clone(&house));
+/// Takes connections for ever, as soon as they come.
+pub async fn listen(listener: TcpListener, state: Arc<AppState>) {
+    let router = Router::new().route("/live", any(live)).fallback(page).with_state(Arc::clone(&state));
     loop {
-        let Ok(permit) = Arc::clone(&house.requests).acquire_owned().await else { return };
         match listener.accept().await {
-            Ok((stream, _)) => {
-                tokio::spawn(answer(stream, router.clone(), house.options.patience.request, permit));
+            Ok((stream, from)) => {
+                let connection = Arc::new(state.connections.enter(from.ip()));
+                let router = router.clone().layer(Extension(Arc::clone(&connection)));
+                tokio::spawn(answer(stream, router, state.options.patience, connection));
             }
-            // Too many open files, most likely: some will be closed.
-            Err(_) => sleep(Duration::from_millis(50)).await,
+            // Too many open files, most likely.
+            Err(_) => {
+                state.connections.evict();
+                sleep(Duration::from_millis(10)).await;
+            }
         }
     }
 }
 
-/// Answers the requests of a connection until it becomes a WebSocket or its time is over.
-async fn answer(stream: TcpStream, router: Router, patience: Duration, _permit: OwnedSemaphorePermit) {
+/// Answers the requests of a connection until it becomes a WebSocket, its time is over, or another needs its place.
+async fn answer(stream: TcpStream, router: Router, patience: Patience, connection: Arc<Connection>) {
     let _ = stream.set_nodelay(true);
     let mut builder = http1::Builder::new();
-    builder.timer(TokioTimer::new()).header_read_timeout(patience).max_buf_size(MAX_HEAD);
-    let connection = builder.serve_connection(TokioIo::new(stream), TowerToHyperService::new(router));
-    let _ = timeout(patience, connection.with_upgrades()).await;
+    builder.timer(TokioTimer::new()).header_read_timeout(patience.head).max_buf_size(MAX_HEAD);
+    let requests = builder.serve_connection(TokioIo::new(stream), TowerToHyperService::new(router)).with_upgrades();
+    tokio::select! {
+        _ = timeout(patience.request, requests) => {}
+        () = connection.evicted() => {}
+    }
 }
 
 /// Refuses what other pages, or this one under a foreign name, ask for.
-fn check(headers: &HeaderMap, house: &House) -> Result<(), Box<Response>> {
+fn check(headers: &HeaderMap, state: &AppState) -> Result<(), Box<Response>> {
     let text = |name| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
-    if is_own(text(header::HOST), text(header::ORIGIN), house.options.token.is_some()) {
+    if is_own(text(header::HOST), text(header::ORIGIN), state.options.token.is_some()) {
         return Ok(());
     }
     let sentence = "This request comes from another page, or under a name that is not this server's. Open the address \
@@ -96,8 +105,15 @@ fn check(headers: &HeaderMap, house: &House) -> Result<(), Box<Response>> {
     Err(Box::new(reply(StatusCode::FORBIDDEN, PLAIN, sentence)))
 }
 
-async fn page(State(house): State<Arc<House>>, method: Method, uri: Uri, headers: HeaderMap) -> Response {
-    if let Err(refusal) = check(&headers, &house) {
+async fn page(
+    State(state): State<Arc<AppState>>,
+    Extension(connection): Extension<Arc<Connection>>,
+    method: Method,
+    uri: Uri,
+    headers: HeaderMap,
+) -> Response {
+    connection.touch();
+    if let Err(refusal) = check(&headers, &state) {
         return *refusal;
     }
     if method != Method::GET && method != Method::HEAD {
@@ -110,22 +126,21 @@ async fn page(State(house): State<Arc<House>>, method: Method, uri: Uri, headers
 }
 
 async fn live(
-    State(house): State<Arc<House>>,
+    State(state): State<Arc<AppState>>,
+    Extension(connection): Extension<Arc<Connection>>,
     headers: HeaderMap,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Response {
-    if let Err(refusal) = check(&headers, &house) {
+    connection.touch();
+    if let Err(refusal) = check(&headers, &state) {
         return *refusal;
     }
     let upgrade = match upgrade {
         Ok(upgrade) => upgrade,
         Err(rejection) => return rejection.into_response(),
     };
-    let Ok(permit) = Arc::clone(&house.lobby).try_acquire_owned() else {
-        return reply(StatusCode::SERVICE_UNAVAILABLE, PLAIN, "Too many connections at once. Try again.\n");
-    };
-    let upgrade = upgrade.max_message_size(MAX_MESSAGE).max_frame_size(MAX_MESSAGE);
-    upgrade.on_upgrade(move |socket| socket::serve(socket, house, permit))
+    let upgrade = upgrade.max_message_size(MAX_MESSAGE).max_frame_size(MAX_MESSAGE).read_buffer_size(READ);
+    upgrade.on_upgrade(move |socket| socket::serve(socket, state, connection))
 }
 
 fn reply(status: StatusCode, kind: &'static str, body: &'static str) -> Response {

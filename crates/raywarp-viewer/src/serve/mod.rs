@@ -1,15 +1,16 @@
 //! The viewer in a browser: a server for one scene, with its page inside.
 //!
-//! One thread, the `theatre`, owns the [`Stage`] and renders for every client in turn. Each client has a task for its
+//! One thread, the `render_thread`, owns the [`Stage`] and renders for every client in turn. Each client has a task for its
 //! WebSocket, and the two meet in a `client`: input one way, pictures and state the other, neither ever more than a
 //! few items. Pictures are cut in `stripes` and encoded beside the render thread. `protocol` says what goes over the
 //! wire; the page is its other side.
 
 mod address;
 mod client;
+mod connections;
 mod encoder;
 mod error;
-mod hall;
+mod files;
 mod http;
 mod inbox;
 mod input;
@@ -17,10 +18,11 @@ mod outbox;
 mod pace;
 mod protocol;
 mod quality;
-mod seat;
+mod registry;
+mod render_thread;
+mod session;
 mod socket;
 mod stripes;
-mod theatre;
 mod token;
 
 use std::net::{SocketAddr, TcpListener};
@@ -34,7 +36,10 @@ pub use stripes::{messages, Coding, StripeError};
 pub use token::Token;
 
 use crate::live::Stage;
-use hall::{Ending, Hall};
+use registry::{ClientRegistry, Ending};
+
+/// Longest time that the end waits for clients to have heard of it.
+const PARTING: Duration = Duration::from_millis(100);
 
 /// How to serve.
 #[derive(Clone, Debug)]
@@ -47,20 +52,27 @@ pub struct ServeOptions {
     pub token: Option<Token>,
     /// Most clients at a time, at least 1.
     pub viewers: usize,
+    /// Most connections that have not become a client's: requests, idle ones, and sockets without a greeting, at least 1.
+    /// One more closes another. A browser opens six.
+    pub connections: usize,
     /// How long to wait for clients.
     pub patience: Patience,
 }
 
 impl Default for ServeOptions {
     fn default() -> Self {
-        Self { host: "127.0.0.1".to_owned(), port: 8787, token: None, viewers: 8, patience: Patience::default() }
+        let (host, patience) = ("127.0.0.1".to_owned(), Patience::default());
+        // Most systems give a process 1024 files.
+        Self { host, port: 8787, token: None, viewers: 64, connections: 512, patience }
     }
 }
 
 /// How long to wait for clients before they are dropped.
 #[derive(Clone, Copy, Debug)]
 pub struct Patience {
-    /// For a whole HTTP request and its answer.
+    /// For the head of a request, the wait for its first byte included.
+    pub head: Duration,
+    /// For all HTTP requests of a connection; then it is closed.
     pub request: Duration,
     /// For the greeting on a WebSocket.
     pub hello: Duration,
@@ -71,7 +83,7 @@ pub struct Patience {
 impl Default for Patience {
     fn default() -> Self {
         let seconds = Duration::from_secs;
-        Self { request: seconds(20), hello: seconds(5), silence: seconds(15) }
+        Self { head: seconds(5), request: seconds(20), hello: seconds(5), silence: seconds(15) }
     }
 }
 
@@ -81,7 +93,7 @@ pub struct Server {
     listener: TcpListener,
     at: SocketAddr,
     options: ServeOptions,
-    hall: Arc<Hall>,
+    registry: Arc<ClientRegistry>,
 }
 
 impl Server {
@@ -94,8 +106,8 @@ impl Server {
         if options.token.is_none() && !at.ip().is_loopback() {
             options.token = Some(Token::random()?);
         }
-        let hall = Arc::new(Hall::new(options.viewers.max(1)));
-        Ok(Self { listener, at, options, hall })
+        let registry = Arc::new(ClientRegistry::new(options.viewers.max(1)));
+        Ok(Self { listener, at, options, registry })
     }
 
     /// Where it listens.
@@ -120,7 +132,7 @@ impl Server {
 
     /// Something that ends [`run`](Self::run) from any thread.
     pub fn stopper(&self) -> Stopper {
-        Stopper(Arc::clone(&self.hall))
+        Stopper(Arc::clone(&self.registry))
     }
 
     /// Serves until it is stopped or something fails. The stage is opened on this thread and stays on it; clients are
@@ -139,12 +151,12 @@ impl Server {
             let _inside = runtime.enter();
             tokio::net::TcpListener::from_std(self.listener).map_err(ServeError::Threads)?
         };
-        let Self { hall, options, .. } = self;
-        runtime.spawn(http::listen(listener, Arc::new(http::House::new(Arc::clone(&hall), options))));
-        let done = shielded(|| theatre::run(open(), &hall));
-        hall.end(Ending::of(&done));
-        runtime.block_on(hall.wait_until_empty(Duration::from_secs(1)));
-        runtime.shutdown_timeout(Duration::from_millis(200));
+        let Self { registry, options, .. } = self;
+        runtime.spawn(http::listen(listener, Arc::new(http::AppState::new(Arc::clone(&registry), options))));
+        let done = shielded(|| render_thread::run(open(), &registry));
+        registry.end(Ending::of(&done));
+        runtime.block_on(registry.wait_until_empty(PARTING));
+        runtime.shutdown_timeout(PARTING / 2);
         done
     }
 }
@@ -160,10 +172,10 @@ fn shielded(work: impl FnOnce() -> Result<(), ServeError>) -> Result<(), ServeEr
 
 /// Ends a server.
 #[derive(Clone, Debug)]
-pub struct Stopper(Arc<Hall>);
+pub struct Stopper(Arc<ClientRegistry>);
 
 impl Stopper {
-    /// Lets the picture that is being rendered finish, tells the clients, and ends.
+    /// Tells the clients, lets the picture that is being rendered finish, and ends.
     pub fn stop(&self) {
         self.0.stop();
     }

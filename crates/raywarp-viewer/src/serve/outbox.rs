@@ -6,10 +6,8 @@ use std::sync::Mutex;
 use axum::body::Bytes;
 use tokio::sync::Notify;
 
-use super::hall::lock;
-
-/// Most files that wait.
-const FILES: usize = 2;
+use super::registry::lock;
+use crate::live::Ticket;
 
 /// Text of which only the latest counts, files, and pictures.
 #[derive(Debug, Default)]
@@ -24,15 +22,16 @@ struct Waiting {
     status: Option<String>,
     panel: Option<String>,
     copy: Option<String>,
-    files: VecDeque<File>,
+    file: Option<File>,
     frames: VecDeque<Frame>,
 }
 
-/// A file and the message that announces it.
+/// A file and the message that announces it. Until it is dropped, the viewer makes no other.
 #[derive(Debug)]
 pub struct File {
     pub head: String,
     pub content: Bytes,
+    pub ticket: Ticket,
 }
 
 /// An encoded picture.
@@ -47,7 +46,7 @@ pub struct Frame {
 
 /// The next thing to send.
 #[derive(Debug)]
-pub enum Parcel {
+pub enum Outgoing {
     /// The last one: why there is nothing more.
     Failure(String),
     Text(String),
@@ -71,13 +70,9 @@ impl Outbox {
         self.filled.notify_one();
     }
 
-    /// Adds a file, unless others wait that the client has not taken.
+    /// Adds a file: the only one, as a viewer makes no other before it is sent.
     pub fn file(&self, file: File) {
-        let mut waiting = lock(&self.waiting);
-        if waiting.files.len() < FILES {
-            waiting.files.push_back(file);
-        }
-        drop(waiting);
+        lock(&self.waiting).file = Some(file);
         self.filled.notify_one();
     }
 
@@ -94,10 +89,10 @@ impl Outbox {
     }
 
     /// The next thing, as soon as there is one: pictures first, as they age fastest.
-    pub async fn next(&self) -> Parcel {
+    pub async fn next(&self) -> Outgoing {
         loop {
-            if let Some(parcel) = lock(&self.waiting).take() {
-                return parcel;
+            if let Some(message) = lock(&self.waiting).take() {
+                return message;
             }
             self.filled.notified().await;
         }
@@ -105,13 +100,13 @@ impl Outbox {
 }
 
 impl Waiting {
-    fn take(&mut self) -> Option<Parcel> {
-        let failure = self.failure.take().map(Parcel::Failure);
-        let frame = || self.frames.pop_front().map(Parcel::Frame);
-        if let Some(parcel) = failure.or_else(frame) {
-            return Some(parcel);
+    fn take(&mut self) -> Option<Outgoing> {
+        let failure = self.failure.take().map(Outgoing::Failure);
+        let frame = || self.frames.pop_front().map(Outgoing::Frame);
+        if let Some(message) = failure.or_else(frame) {
+            return Some(message);
         }
         let text = self.status.take().or_else(|| self.panel.take()).or_else(|| self.copy.take());
-        text.map(Parcel::Text).or_else(|| self.files.pop_front().map(Parcel::File))
+        text.map(Outgoing::Text).or_else(|| self.file.take().map(Outgoing::File))
     }
 }

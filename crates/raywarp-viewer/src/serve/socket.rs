@@ -10,15 +10,15 @@ use axum::extract::ws::{CloseFrame, Message, WebSocket};
 use axum::Error;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
-use tokio::sync::OwnedSemaphorePermit;
 use tokio::time::{interval, sleep, timeout, Interval};
 
 use super::client::Client;
-use super::hall::{Ending, Hall};
-use super::http::House;
+use super::connections::Connection;
+use super::http::AppState;
 use super::input::checked;
-use super::outbox::{Frame, Parcel};
-use super::protocol::{close, FromClient, FromServer, VERSION};
+use super::outbox::{File, Frame, Outgoing};
+use super::protocol::{close as code, FromClient, FromServer, VERSION};
+use super::registry::{Admission, ClientRegistry, Ending};
 
 /// Between two pings.
 const PINGS: Duration = Duration::from_secs(2);
@@ -32,21 +32,25 @@ const REASON: usize = 120;
 type Sink = SplitSink<WebSocket, Message>;
 type Stream = SplitStream<WebSocket>;
 
-/// Serves one client until either side has enough. The permit is for those who have not said hello.
-pub async fn serve(socket: WebSocket, house: Arc<House>, lobby: OwnedSemaphorePermit) {
+/// Serves one client until either side has enough. Until it is greeted, its connection may have to make room.
+pub async fn serve(socket: WebSocket, state: Arc<AppState>, connection: Arc<Connection>) {
     let (mut sink, mut stream) = socket.split();
-    let end = match greet(&mut sink, &mut stream, &house).await {
-        Ok((client, _seat)) => {
-            drop(lobby);
-            let end = attend(&mut sink, &mut stream, &client, &house).await;
-            client.leave();
-            house.hall.bell.ring();
-            end
-        }
-        Err(end) => end,
+    let greeted = tokio::select! {
+        greeted = greet(&mut sink, &mut stream, &state) => greeted,
+        () = connection.evicted() => return,
     };
-    if let Some(ending) = end {
-        let _ = timeout(FAREWELL, part(sink, stream, ending)).await;
+    match greeted {
+        Ok(admission) => {
+            drop(connection);
+            let end = attend(&mut sink, &mut stream, &admission.client, &state).await;
+            admission.client.leave();
+            state.registry.waker.wake();
+            part(sink, stream, end).await;
+        }
+        Err(end) => tokio::select! {
+            () = part(sink, stream, end) => {}
+            () = connection.evicted() => {}
+        },
     }
 }
 
@@ -55,53 +59,48 @@ fn ending(code: u16, text: impl Into<String>) -> Option<Ending> {
 }
 
 /// Hears the client's greeting and answers it. Without one, how to part.
-async fn greet(
-    sink: &mut Sink,
-    stream: &mut Stream,
-    house: &House,
-) -> Result<(Arc<Client>, OwnedSemaphorePermit), Option<Ending>> {
-    let first = timeout(house.options.patience.hello, stream.next()).await;
-    let first = first.map_err(|_| ending(close::SILENT, "no greeting came in time"))?;
+async fn greet(sink: &mut Sink, stream: &mut Stream, state: &AppState) -> Result<Admission, Option<Ending>> {
+    let first = timeout(state.options.patience.hello, stream.next()).await;
+    let first = first.map_err(|_| ending(code::SILENT, "no greeting came in time"))?;
     let text = match first {
         Some(Ok(Message::Text(text))) => text,
-        Some(Ok(_)) => return Err(ending(close::UNREADABLE, "the first message must be a greeting: \"hello\"")),
+        Some(Ok(_)) => return Err(ending(code::UNREADABLE, "the first message must be a greeting: \"hello\"")),
         Some(Err(error)) => return Err(broken(&error)),
         None => return Err(None),
     };
     let Ok(FromClient::Hello { protocol, token, width, height }) = serde_json::from_str(&text) else {
-        return Err(ending(close::UNREADABLE, "the first message must be a greeting: \"hello\""));
+        return Err(ending(code::UNREADABLE, "the first message must be a greeting: \"hello\""));
     };
-    if house.options.token.as_ref().is_some_and(|wanted| !wanted.is(&token)) {
+    if state.options.token.as_ref().is_some_and(|wanted| !wanted.is(&token)) {
         sleep(HESITATION).await;
-        return Err(ending(close::TOKEN, "the token is missing or wrong: open the address that the server printed"));
+        return Err(ending(code::TOKEN, "the token is missing or wrong: open the address that the server printed"));
     }
     let hello = Message::text(FromServer::hello().text());
     if protocol != VERSION {
         let _ = sink.send(hello).await;
         let text =
             format!("this server speaks version {VERSION} of the protocol, the page {protocol}: reload the page");
-        return Err(ending(close::VERSION, text));
+        return Err(ending(code::VERSION, text));
     }
     let full = || {
-        let most = house.hall.size();
-        ending(close::FULL, format!("all {most} places are taken: try again later, or serve with more --viewers"))
+        let most = state.registry.size();
+        ending(code::FULL, format!("all {most} places are taken: try again later, or serve with more --viewers"))
     };
-    let (client, seat) = house.hall.admit([width, height]).ok_or_else(full)?;
+    let admission = state.registry.admit([width, height]).ok_or_else(full)?;
     if sink.send(hello).await.is_err() {
-        client.leave();
         return Err(None);
     }
-    Ok((client, seat))
+    Ok(admission)
 }
 
 /// Both directions at once, until one ends; and how to part, if the client is still there to hear it.
-async fn attend(sink: &mut Sink, stream: &mut Stream, client: &Client, house: &House) -> Option<Ending> {
-    let mut told = house.hall.ending();
+async fn attend(sink: &mut Sink, stream: &mut Stream, client: &Client, state: &AppState) -> Option<Ending> {
+    let mut told = state.registry.ending();
     let life = Life::default();
     tokio::select! {
-        end = listen(stream, client, &house.hall, &life) => end,
+        end = listen(stream, client, &state.registry, &life) => end,
         end = speak(sink, client, &life) => end,
-        end = watch(&life, house.options.patience.silence) => end,
+        end = watch(&life, state.options.patience.silence) => end,
         end = told.wait_for(Option::is_some) => end.ok().and_then(|end| end.clone()),
     }
 }
@@ -137,13 +136,13 @@ async fn watch(life: &Life, patience: Duration) -> Option<Ending> {
     loop {
         let left = patience.saturating_sub(life.silence());
         if left.is_zero() {
-            return ending(close::SILENT, "nothing was heard from the page");
+            return ending(code::SILENT, "nothing was heard from the page");
         }
         sleep(left).await;
     }
 }
 
-async fn listen(stream: &mut Stream, client: &Client, hall: &Hall, life: &Life) -> Option<Ending> {
+async fn listen(stream: &mut Stream, client: &Client, registry: &ClientRegistry, life: &Life) -> Option<Ending> {
     while let Some(message) = stream.next().await {
         life.sign();
         let done = match message {
@@ -158,9 +157,9 @@ async fn listen(stream: &mut Stream, client: &Client, hall: &Hall, life: &Life) 
             Err(error) => return broken(&error),
         };
         if let ControlFlow::Break(text) = done {
-            return ending(close::UNREADABLE, text);
+            return ending(code::UNREADABLE, text);
         }
-        hall.bell.ring();
+        registry.waker.wake();
     }
     None
 }
@@ -202,23 +201,20 @@ fn pong(time: &Bytes, client: &Client, life: &Life) {
 async fn speak(sink: &mut Sink, client: &Client, life: &Life) -> Option<Ending> {
     let mut pings = interval(PINGS);
     loop {
-        let parcel = tokio::select! {
+        let message = tokio::select! {
             biased;
             _ = pings.tick() => {
                 ping(sink, life).await.ok()?;
                 continue;
             }
-            parcel = client.outbox.next() => parcel,
+            message = client.outbox.next() => message,
         };
-        let sent = match parcel {
-            Parcel::Failure(text) => return ending(close::FAILED, text),
-            Parcel::Text(text) => sink.send(Message::text(text)).await,
-            Parcel::File(file) => {
-                sink.send(Message::text(file.head)).await.ok()?;
-                sink.send(Message::Binary(file.content)).await
-            }
-            Parcel::Frame(frame) if frame.lossless => send_portions(sink, client, frame, &mut pings, life).await,
-            Parcel::Frame(frame) => send_whole(sink, client, frame).await,
+        let sent = match message {
+            Outgoing::Failure(text) => return ending(code::FAILED, text),
+            Outgoing::Text(text) => sink.send(Message::text(text)).await,
+            Outgoing::File(file) => send_file(sink, file).await,
+            Outgoing::Frame(frame) if frame.lossless => send_portions(sink, client, frame, &mut pings, life).await,
+            Outgoing::Frame(frame) => send_whole(sink, client, frame).await,
         };
         sent.ok()?;
     }
@@ -226,6 +222,13 @@ async fn speak(sink: &mut Sink, client: &Client, life: &Life) -> Option<Ending> 
 
 async fn ping(sink: &mut Sink, life: &Life) -> Result<(), Error> {
     sink.send(Message::Ping(Bytes::copy_from_slice(&life.now().to_le_bytes()))).await
+}
+
+/// The viewer may make the next one once this one is sent.
+async fn send_file(sink: &mut Sink, file: File) -> Result<(), Error> {
+    let File { head, content, ticket: _until_sent } = file;
+    sink.send(Message::text(head)).await?;
+    sink.send(Message::Binary(content)).await
 }
 
 async fn send_whole(sink: &mut Sink, client: &Client, frame: Frame) -> Result<(), Error> {
@@ -266,12 +269,19 @@ async fn send_portions(
 /// How to part from a client whose messages break the rules of WebSocket.
 fn broken(error: &Error) -> Option<Ending> {
     let text = error.to_string();
-    let code = if text.contains("too long") { close::TOO_LONG } else { close::UNREADABLE };
+    let code = if text.contains("too long") { code::TOO_LONG } else { code::UNREADABLE };
     ending(code, format!("a message cannot be read: {text}"))
 }
 
+/// Says why, if there is somebody to hear it.
+async fn part(sink: Sink, stream: Stream, ending: Option<Ending>) {
+    if let Some(ending) = ending {
+        let _ = timeout(FAREWELL, close(sink, stream, ending)).await;
+    }
+}
+
 /// Says why, closes, and waits for the client to have heard it.
-async fn part(mut sink: Sink, mut stream: Stream, ending: Ending) {
+async fn close(mut sink: Sink, mut stream: Stream, ending: Ending) {
     let end = FromServer::End { text: &ending.text, error: ending.error };
     let _ = sink.feed(Message::text(end.text())).await;
     let mut reason = ending.text;

@@ -1,8 +1,12 @@
-//! The secret in the address.
+//! The secret that clients must know.
 
+use percent_encoding::{utf8_percent_encode, AsciiSet, NON_ALPHANUMERIC};
 use subtle::ConstantTimeEq;
 
 use super::ServeError;
+
+/// What a token in an address has only encoded: all but RFC 3986's unreserved characters.
+const RESERVED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'~');
 
 /// A secret that clients must know.
 #[derive(Clone)]
@@ -19,19 +23,23 @@ impl Token {
         Ok(Self(bytes.iter().map(|byte| format!("{byte:02x}")).collect()))
     }
 
-    /// A chosen one: 8 to 128 letters, digits, `-` or `_`, so that it stands in an address as it is.
+    /// A chosen one: 8 to 128 characters, none of them a control character, no space at either end. In an address all
+    /// but letters, digits, `-`, `.`, `_` and `~` stand as `%` and two hexadecimal digits a byte.
     ///
     /// # Errors
-    /// [`ServeError::Token`] for any other.
+    /// [`ServeError::Token`] for any other. The error does not hold the text.
     pub fn chosen(text: &str) -> Result<Self, ServeError> {
-        let plain = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_';
-        if !(8..=128).contains(&text.len()) {
-            return Err(ServeError::Token(format!("{} characters", text.len())));
+        let length = text.chars().count();
+        if !(8..=128).contains(&length) {
+            return Err(ServeError::Token(format!("{length} characters")));
         }
-        match text.chars().find(|&character| !character.is_ascii() || !plain(character as u8)) {
-            Some(character) => Err(ServeError::Token(format!("a {character:?}"))),
-            None => Ok(Self(text.to_owned())),
+        if text.chars().any(char::is_control) {
+            return Err(ServeError::Token("a control character, perhaps the end of a line".to_owned()));
         }
+        if text.trim() != text {
+            return Err(ServeError::Token("a space at one end".to_owned()));
+        }
+        Ok(Self(text.to_owned()))
     }
 
     /// Whether a client knows it, in a time that does not depend on where texts of one length differ.
@@ -39,8 +47,9 @@ impl Token {
         self.0.as_bytes().ct_eq(text.as_bytes()).into()
     }
 
-    pub(super) fn text(&self) -> &str {
-        &self.0
+    /// As it stands in an address.
+    pub(super) fn encoded(&self) -> String {
+        utf8_percent_encode(&self.0, RESERVED).to_string()
     }
 }
 
@@ -64,11 +73,22 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_an_address_is_refused() {
-        for text in ["", "short", "with space", "with/slash", "wïth-umlaut", &"x".repeat(129)] {
-            assert!(Token::chosen(text).is_err(), "{text}");
+    fn what_nobody_could_type_again_is_refused() {
+        let error = |text: &str| Token::chosen(text).unwrap_err().to_string();
+        assert!(error("").contains("0 characters") && error("short").contains("5 characters"));
+        assert!(error(&"x".repeat(129)).contains("129 characters"));
+        for (text, why) in [("two\nlines", "control"), ("a secret\n", "control"), ("a secret ", "space at one end")] {
+            assert!(error(text).contains(why) && !error(text).contains("secret "), "{text}");
         }
         let token = Token::chosen("open-Sesame_1").unwrap();
         assert!(token.is("open-Sesame_1") && !token.is("open-Sesame_2") && !token.is("") && !token.is("open"));
+    }
+
+    #[test]
+    fn any_text_stands_in_an_address() {
+        let encoded = |text: &str| Token::chosen(text).unwrap().encoded();
+        assert_eq!(encoded("open-Sesame_1.~"), "open-Sesame_1.~");
+        assert_eq!(encoded("a b+c&d=#%/"), "a%20b%2Bc%26d%3D%23%25%2F");
+        assert_eq!(encoded("schlüssel"), "schl%C3%BCssel");
     }
 }

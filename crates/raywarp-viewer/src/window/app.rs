@@ -12,7 +12,7 @@ use super::input::Input;
 use super::interface::{Content, Interface};
 use super::surface::Canvas;
 use super::{overlay, paint, WindowError, WindowOptions};
-use crate::live::{Event, Notice, Outcome, Picture, Stage, Status, Viewer};
+use crate::live::{Event, Export, Notice, Outcome, Picture, Stage, Status, Viewer};
 
 /// How often to look at what runs beside while nothing happens.
 const IDLE: Duration = Duration::from_millis(100);
@@ -135,19 +135,25 @@ impl App {
 
     fn carry_out(&mut self, outcome: Outcome) {
         match outcome {
-            Outcome::File { name, content, .. } => {
-                let notice = match (self.options.keep)(&name, &content) {
-                    Ok(path) => Notice { text: format!("kept as {}", path.display()), error: false },
-                    Err(error) => Notice { text: error.to_string(), error: true },
-                };
-                self.notice = Some((notice, Instant::now()));
-            }
+            Outcome::File(export) => self.notice = Some((self.keep(&export), Instant::now())),
             Outcome::Copy(text) => {
                 if let Some(open) = &mut self.open {
                     open.egui.set_clipboard_text(text);
                 }
             }
             Outcome::Quit => self.leaving = true,
+        }
+    }
+
+    /// Makes a file and keeps it; what there is to say.
+    fn keep(&mut self, export: &Export) -> Notice {
+        let content = match export.make() {
+            Ok(content) => content,
+            Err(error) => return Notice { text: error.to_string(), error: true },
+        };
+        match (self.options.keep)(&export.name, &content, self.stage.files()) {
+            Ok(path) => Notice { text: format!("kept as {}", path.display()), error: false },
+            Err(error) => Notice { text: error.to_string(), error: true },
         }
     }
 

@@ -46,12 +46,12 @@ pub struct WindowOptions {
     pub size: [u32; 2],
     /// Whether to fill the screen.
     pub fullscreen: bool,
-    /// Keeps a file under about this name, and tells its path: [`keep()`] in a folder.
+    /// Keeps a file under about this name, but over none of the scene's, and tells its path: [`keep()`] in a folder.
     pub keep: Keep,
 }
 
-/// Takes a file's suggested name and its content, and returns its path.
-pub type Keep = Box<dyn FnMut(&str, &[u8]) -> Result<PathBuf, WriteError>>;
+/// Takes a file's suggested name, its content and the files of the scene, and returns its path.
+pub type Keep = Box<dyn FnMut(&str, &[u8], &[PathBuf]) -> Result<PathBuf, WriteError>>;
 
 /// A display that windows can be shown on.
 pub struct Display {

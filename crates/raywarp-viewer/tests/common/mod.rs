@@ -134,7 +134,7 @@ pub fn own_stage(directory: &tempfile::TempDir) -> Stage {
 /// For waits that a test can sit out.
 pub fn impatient() -> Patience {
     let tenths = |n: u64| Duration::from_millis(100 * n);
-    Patience { request: tenths(10), hello: tenths(5), silence: tenths(30) }
+    Patience { head: tenths(10), request: tenths(10), hello: tenths(5), silence: tenths(30) }
 }
 
 pub fn hello(token: &str) -> Value {

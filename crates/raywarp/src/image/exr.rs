@@ -5,6 +5,7 @@
 
 use std::io::Cursor;
 
+use ::exr::meta::attribute::{AttributeValue, Text};
 use ::exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, ImageAttributes, Layer as Part, LayerAttributes, SmallVec,
     WritableImage,
@@ -13,7 +14,8 @@ use raywarp_kernels::kernels::Surfel;
 use raywarp_kernels::math::Vec3;
 use raywarp_kernels::traverse::Tests;
 
-use super::{Format, ImageError, Layer, Layers, Picture};
+use super::provenance::EXR_FINGERPRINT;
+use super::{Format, ImageError, Layer, Layers, Picture, Provenance};
 
 type Channel = AnyChannel<FlatSamples>;
 
@@ -22,6 +24,19 @@ type Channel = AnyChannel<FlatSamples>;
 /// # Errors
 /// [`ImageError::NoLayer`] for a layer that `layers` lacks, [`ImageError::Encode`] for a picture without pixels.
 pub fn encode(picture: &Picture, layers: Option<&Layers>, asked: &[Layer]) -> Result<Vec<u8>, ImageError> {
+    encode_described(picture, layers, asked, None)
+}
+
+/// As [`encode`], for a file that says how it was made.
+///
+/// # Errors
+/// As for [`encode`].
+pub fn encode_described(
+    picture: &Picture,
+    layers: Option<&Layers>,
+    asked: &[Layer],
+    provenance: Option<&Provenance>,
+) -> Result<Vec<u8>, ImageError> {
     let (width, height) = (picture.width, picture.height);
     let failed = |reason: String| ImageError::Encode { format: Format::Exr, width, height, reason };
     let count = width as usize * height as usize;
@@ -36,13 +51,25 @@ pub fn encode(picture: &Picture, layers: Option<&Layers>, asked: &[Layer]) -> Re
     let size = (width as usize, height as usize);
     // A crop keeps its place within the whole, so that parts can be put together again.
     let layer_position = ::exr::math::Vec2(picture.origin[0] as i32, picture.origin[1] as i32);
-    let attributes = LayerAttributes { layer_position, ..LayerAttributes::default() };
+    let attributes = LayerAttributes { layer_position, ..attributes(provenance) };
     let part = Part::new(size, attributes, Encoding::SMALL_FAST_LOSSLESS, AnyChannels::sort(channels));
     let whole = (picture.whole[0] as usize, picture.whole[1] as usize);
     let image = Image::empty(ImageAttributes::with_size(whole)).with_layer(part);
     let mut bytes = Cursor::new(Vec::new());
     image.write().to_unbuffered(&mut bytes).map_err(|error| failed(error.to_string()))?;
     Ok(bytes.into_inner())
+}
+
+fn attributes(provenance: Option<&Provenance>) -> LayerAttributes {
+    let Some(Provenance { software, comment, fingerprint }) = provenance else { return LayerAttributes::default() };
+    // Attributes hold no more than Latin-1.
+    let text = |text: &str| Text::new_or_none(text.replace(|c: char| !c.is_ascii(), "?"));
+    let mut attributes =
+        LayerAttributes { software_name: text(software), comments: text(comment), ..LayerAttributes::default() };
+    if let (Some(name), Some(value)) = (text(EXR_FINGERPRINT), text(fingerprint)) {
+        attributes.other.insert(name, AttributeValue::Text(value));
+    }
+    attributes
 }
 
 fn picture_channels(picture: &Picture) -> SmallVec<[Channel; 4]> {

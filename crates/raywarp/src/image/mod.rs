@@ -13,6 +13,7 @@ pub mod heatmap;
 mod layer;
 pub mod png;
 mod probe;
+mod provenance;
 
 use raywarp_kernels::kernels::Surfel;
 use raywarp_kernels::traverse::Tests;
@@ -23,6 +24,7 @@ pub use error::ImageError;
 pub use format::Format;
 pub use layer::Layer;
 pub use probe::probe;
+pub use provenance::{Found, Provenance};
 
 /// A rendered picture.
 #[derive(Clone, Debug, Default, PartialEq)]

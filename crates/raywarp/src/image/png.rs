@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use ::image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use ::image::{ExtendedColorType, ImageEncoder, ImageFormat, ImageReader};
+use ::image::{ImageFormat, ImageReader};
 use rayon::prelude::*;
 use raywarp_kernels::math::Vec3;
 
-use super::{Development, Format, ImageError, Picture, Rgb8};
+use super::provenance::PNG_FINGERPRINT;
+use super::{Development, Format, ImageError, Picture, Provenance, Rgb8};
 
 /// Exposes, tone-maps and encodes a picture as a screen shows it.
 pub fn develop(picture: &Picture, development: &Development) -> Rgb8 {
@@ -21,15 +21,38 @@ pub fn develop(picture: &Picture, development: &Development) -> Rgb8 {
 /// # Errors
 /// [`ImageError::Encode`] for a picture without pixels.
 pub fn encode(picture: &Rgb8) -> Result<Vec<u8>, ImageError> {
+    encode_described(picture, None)
+}
+
+/// The bytes of a PNG file that says how it was made.
+///
+/// # Errors
+/// As for [`encode`].
+pub fn encode_described(picture: &Rgb8, provenance: Option<&Provenance>) -> Result<Vec<u8>, ImageError> {
     let (width, height) = (picture.width, picture.height);
     let failed = |reason: String| ImageError::Encode { format: Format::Png, width, height, reason };
     if width == 0 || height == 0 || picture.pixels.len() != width as usize * height as usize {
         return Err(failed(format!("it holds {} pixels", picture.pixels.len())));
     }
+    write(picture, provenance).map_err(|error| failed(error.to_string()))
+}
+
+fn write(picture: &Rgb8, provenance: Option<&Provenance>) -> Result<Vec<u8>, ::png::EncodingError> {
     let mut bytes = Vec::new();
-    PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
-        .write_image(bytemuck::cast_slice(&picture.pixels), width, height, ExtendedColorType::Rgb8)
-        .map_err(|error| failed(error.to_string()))?;
+    let mut encoder = ::png::Encoder::new(&mut bytes, picture.width, picture.height);
+    encoder.set_color(::png::ColorType::Rgb);
+    encoder.set_depth(::png::BitDepth::Eight);
+    encoder.set_compression(::png::Compression::Balanced);
+    encoder.set_filter(::png::Filter::Adaptive);
+    if let Some(Provenance { software, comment, fingerprint }) = provenance {
+        for (keyword, text) in [("Software", software), ("Comment", comment)] {
+            encoder.add_itxt_chunk(keyword.to_owned(), text.clone())?;
+        }
+        encoder.add_text_chunk(PNG_FINGERPRINT.to_owned(), fingerprint.clone())?;
+    }
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(picture.pixels.as_flattened())?;
+    writer.finish()?;
     Ok(bytes)
 }
 

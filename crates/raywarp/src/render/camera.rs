@@ -8,6 +8,9 @@ use super::RenderError;
 use crate::scene::{Camera, Projection, Scene};
 use crate::Ray;
 
+/// Name of the camera that frames a scene without one.
+pub(super) const FRAMED: &str = "framed";
+
 /// Vertical field of view of the camera that frames a scene, in radians.
 const FOV: f32 = 0.7;
 
@@ -27,7 +30,7 @@ pub fn framing([low, high]: [[f32; 3]; 2]) -> Camera {
     let away = Vec3::new(0.45, 0.35, 1.0).normalize();
     let distance = radius / (0.5 * FOV).sin();
     Camera {
-        name: "framed".to_owned(),
+        name: FRAMED.to_owned(),
         eye: (centre + away * distance).into(),
         target: centre.into(),
         up: [0.0, 1.0, 0.0],

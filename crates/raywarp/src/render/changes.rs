@@ -55,9 +55,11 @@ impl Tracer {
     }
 
     /// Takes over the lights, the background and the ambient light of a scene; nothing else of it is looked at but
-    /// whether materials glow.
-    pub fn set_lights(&mut self, scene: &Scene) {
-        self.lighting = Lighting::of(scene);
+    /// whether materials glow. Returns whether that is all: `false` if the ambient light was built in and is the scene's
+    /// own now, or the other way round. Materials reflect these by colours of their own, so they must be set again.
+    pub fn set_lights(&mut self, scene: &Scene) -> bool {
+        let before = std::mem::replace(&mut self.lighting, Lighting::of(scene));
+        before.whose_ambient == self.lighting.whose_ambient
     }
 
     /// Takes over materials, as many as there were, with the scene's own images. Returns whether that is all: `false` if
@@ -69,7 +71,7 @@ impl Tracer {
         if materials.len() != self.flags.len() {
             return Err(RenderError::Scene { mesh: "the changed scene".to_owned(), part: "the number of materials" });
         }
-        self.scene.set_materials(&self.device, materials, images)?;
+        self.scene.set_materials(&self.device, materials, images, self.lighting.whose_ambient)?;
         let flags: Vec<u32> = materials.iter().map(flatten::flags_of).collect();
         if flags == self.flags {
             return Ok(true);

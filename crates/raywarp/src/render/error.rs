@@ -3,6 +3,14 @@
 use crate::accel::BuildError;
 use crate::backend::DeviceError;
 
+/// A camera as people know it: one that no file names has a name of raywarp's own.
+fn camera(name: &str) -> String {
+    match name {
+        "" | super::camera::FRAMED => "the camera".to_owned(),
+        _ => format!("the camera '{name}'"),
+    }
+}
+
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -11,7 +19,7 @@ pub enum RenderError {
     #[error("{0}")]
     Option(String),
     /// The camera sees nothing.
-    #[error("the camera '{name}' {problem}; give --eye and --target, two different finite points, and --fov")]
+    #[error("{} {problem}; give --eye and --target, two different finite points, and --fov", camera(name))]
     Camera {
         /// The camera's name.
         name: String,

@@ -15,6 +15,7 @@ pub(crate) struct Flat {
     pub positions: Vec<math::Vec3>,
     pub normals: Vec<math::Vec3>,
     pub uvs: Vec<[f32; 2]>,
+    pub second_uvs: Vec<[f32; 2]>,
     pub colors: Vec<[f32; 4]>,
     pub tangents: Vec<[f32; 4]>,
     pub primitives: Vec<Primitive>,
@@ -47,6 +48,7 @@ impl Flat {
     pub fn with(scene: &Scene, instances: &[Instance], materials: &[Material]) -> Result<Self, RenderError> {
         let placed = || instances.iter().filter_map(|instance| scene.meshes.get(instance.mesh));
         let with_uvs = placed().any(|mesh| !mesh.uvs.is_empty());
+        let with_second_uvs = placed().any(|mesh| !mesh.second_uvs.is_empty());
         let with_colors = placed().any(|mesh| !mesh.colors.is_empty());
         let with_tangents = placed().any(|mesh| !mesh.tangents.is_empty());
         let totals = placed().fold([0; 2], |[v, t], mesh| [v + mesh.positions.len(), t + mesh.triangles.len()]);
@@ -68,6 +70,7 @@ impl Flat {
             });
             flat.place(mesh, instance);
             pad(&mut flat.uvs, &mesh.uvs, mesh, with_uvs, [0.0; 2]);
+            pad(&mut flat.second_uvs, &mesh.second_uvs, mesh, with_second_uvs, [0.0; 2]);
             pad(&mut flat.colors, &mesh.colors, mesh, with_colors, [1.0; 4]);
             if mesh.tangents.is_empty() {
                 pad(&mut flat.tangents, &[], mesh, with_tangents, [0.0; 4]);
@@ -153,7 +156,8 @@ pub(crate) fn check_instance<'a>(scene: &'a Scene, instance: &Instance) -> Resul
 pub(crate) fn check_mesh(scene: &Scene, instance: &Instance, mesh: &Mesh) -> Result<(), RenderError> {
     let vertices = mesh.positions.len();
     let fits = |len: usize| len == 0 || len == vertices;
-    if !fits(mesh.normals.len()) || !fits(mesh.uvs.len()) || !fits(mesh.colors.len()) || !fits(mesh.tangents.len()) {
+    let lists = [mesh.normals.len(), mesh.uvs.len(), mesh.second_uvs.len(), mesh.colors.len(), mesh.tangents.len()];
+    if !lists.into_iter().all(fits) {
         return Err(wrong(instance, "the number of normals, texture coordinates, colours or tangents"));
     }
     if mesh.triangles.iter().flatten().any(|&vertex| vertex as usize >= vertices) {

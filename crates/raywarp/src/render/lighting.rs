@@ -15,6 +15,7 @@ pub(super) struct Lighting {
     headlight: Option<Vec3>,
     pub background: Background,
     pub ambient: Vec3,
+    pub whose_ambient: Ambient,
     pub notes: Vec<String>,
 }
 
@@ -25,6 +26,24 @@ const SKY: scene::Background =
 /// Ambient light of a scene that brings its own lights, and of one that does not.
 const AMBIENT: [f32; 3] = [0.05; 3];
 const AMBIENT_BUILT_IN: [f32; 3] = [0.25, 0.27, 0.30];
+
+/// Whose ambient light shines on a scene, and so by what materials reflect it: the scene's own by their ambient colours,
+/// which were chosen for it; the built-in one by their diffuse colours. Programs write ambient colours for no light that
+/// they know, such as white for every material: lit by them, a scene lies in grey fog.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ambient {
+    Own,
+    BuiltIn,
+}
+
+impl Ambient {
+    pub fn of(scene: &Scene) -> Self {
+        match scene.ambient {
+            Some(_) => Self::Own,
+            None => Self::BuiltIn,
+        }
+    }
+}
 
 impl Lighting {
     pub fn of(scene: &Scene) -> Self {
@@ -48,6 +67,7 @@ impl Lighting {
                 up: vec3(0.0, 1.0, 0.0),
             },
             ambient: ambient.into(),
+            whose_ambient: Ambient::of(scene),
             notes,
         }
     }

@@ -1,10 +1,13 @@
 //! Materials, textures and images as the kernels read them.
 
+use std::f32::consts::LOG2_E;
+
 use raywarp_kernels::material::{flags, Material};
 use raywarp_kernels::texture::{mode, Texture, NO_TEXTURE};
 
+use super::lighting::Ambient;
 use crate::scene::srgb::srgb_to_linear_precise;
-use crate::scene::{self, AlphaMode, Channel, Filter, Image, NormalMap, Scene, Wrap};
+use crate::scene::{self, AlphaMode, Channel, Filter, Image, NormalMap, Scene, UvSet, Wrap};
 
 /// Materials and the textures that they refer to.
 pub(super) struct Surfaces {
@@ -12,8 +15,8 @@ pub(super) struct Surfaces {
     pub textures: Vec<Texture>,
 }
 
-/// All materials of a scene.
-pub(super) fn ready(materials: &[scene::Material], images: &[Image]) -> Surfaces {
+/// All materials of a scene, for ambient light of its own or for the built-in one.
+pub(super) fn ready(materials: &[scene::Material], images: &[Image], ambient: Ambient) -> Surfaces {
     let mut first = 0;
     let places = images.iter().map(|image| {
         let whole = image.texels.len() as u64 == image.width as u64 * image.height as u64;
@@ -21,7 +24,7 @@ pub(super) fn ready(materials: &[scene::Material], images: &[Image]) -> Surfaces
         first += image.texels.len() as u32;
         place
     });
-    let mut list = List { places: places.collect(), textures: Vec::new() };
+    let mut list = List { places: places.collect(), textures: Vec::new(), ambient };
     let materials = materials.iter().map(|m| list.material(m)).collect();
     Surfaces { materials, textures: list.textures }
 }
@@ -50,6 +53,7 @@ struct Place {
 struct List {
     places: Vec<Place>,
     textures: Vec<Texture>,
+    ambient: Ambient,
 }
 
 impl List {
@@ -67,8 +71,16 @@ impl List {
             Some(NormalMap::Tangent { texture, scale }) => (0, scale, self.texture(Some(&texture))),
             Some(NormalMap::Height { texture, scale }) => (flags::HEIGHT, scale, self.texture(Some(&texture))),
         };
+        bits |= if material.metallic { flags::METALLIC } else { 0 };
+        let transmits = material.transmission != [0.0; 3];
+        bits |= if material.single_sided && !transmits { flags::SINGLE_SIDED } else { 0 };
+        bits |= if transmits && material.absorption != [0.0; 3] { flags::VOLUME } else { 0 };
+        bits |= if uses_second_uvs(material) { flags::SECOND_UVS } else { 0 };
         Material {
-            ambient: material.ambient.into(),
+            ambient: match self.ambient {
+                Ambient::Own => material.ambient.into(),
+                Ambient::BuiltIn => material.diffuse.into(),
+            },
             shininess: material.shininess.max(0.0),
             diffuse: material.diffuse.into(),
             ior: if material.ior > 0.0 { material.ior } else { 1.0 },
@@ -80,6 +92,8 @@ impl List {
             flags: bits | alpha | height,
             transmission: material.transmission.into(),
             bump,
+            // Kernels raise 2 to powers.
+            absorption: material.absorption.map(|a| (a.max(0.0) * LOG2_E).min(f32::MAX)).into(),
             diffuse_map: self.texture(material.diffuse_map.as_ref()),
             specular_map: self.texture(material.specular_map.as_ref()),
             emission_map: self.texture(material.emission_map.as_ref()),
@@ -110,6 +124,15 @@ impl List {
     }
 }
 
+fn uses_second_uvs(material: &scene::Material) -> bool {
+    let maps = [&material.diffuse_map, &material.specular_map, &material.emission_map, &material.opacity_map];
+    let normal_map = match &material.normal_map {
+        Some(NormalMap::Tangent { texture, .. } | NormalMap::Height { texture, .. }) => Some(texture),
+        None => None,
+    };
+    maps.into_iter().flatten().chain(normal_map).any(|texture| texture.uv_set == UvSet::Second)
+}
+
 fn mode_of(texture: &scene::Texture) -> u32 {
     let wrap = |wrap: Wrap| match wrap {
         Wrap::Repeat => 0,
@@ -128,5 +151,6 @@ fn mode_of(texture: &scene::Texture) -> u32 {
         | wrap(texture.wrap[1]) << 2
         | if texture.filter == Filter::Nearest { mode::NEAREST } else { 0 }
         | if texture.srgb { mode::SRGB } else { 0 }
+        | if texture.uv_set == UvSet::Second { mode::SECOND_UVS } else { 0 }
         | channel << mode::CHANNEL_SHIFT
 }

@@ -8,7 +8,7 @@ use raywarp_kernels::texture::{Texture, Textures};
 use raywarp_kernels::view::View;
 
 use super::flatten::Flat;
-use super::lighting::Lighting;
+use super::lighting::{Ambient, Lighting};
 use super::materials::{self, Surfaces};
 use crate::backend::{Buffer, Device, DeviceError};
 use crate::scene::{self, Image, Scene};
@@ -19,6 +19,7 @@ pub(super) struct ResidentScene {
     positions: Buffer<Vec3>,
     normals: Buffer<Vec3>,
     uvs: Buffer<[f32; 2]>,
+    second_uvs: Buffer<[f32; 2]>,
     colors: Buffer<[f32; 4]>,
     tangents: Buffer<[f32; 4]>,
     materials: Buffer<Material>,
@@ -30,18 +31,20 @@ pub(super) struct ResidentScene {
 impl ResidentScene {
     /// What it will take on a device.
     pub fn bytes(flat: &Flat, scene: &Scene) -> u64 {
-        let vertices = size(&flat.positions) + size(&flat.normals) + size(&flat.uvs) + size(&flat.colors);
+        let uvs = size(&flat.uvs) + size(&flat.second_uvs);
+        let vertices = size(&flat.positions) + size(&flat.normals) + uvs + size(&flat.colors);
         let texels: usize = scene.images.iter().map(|image| size(&image.texels)).sum();
         (vertices + size(&flat.tangents) + size(&flat.primitives) + texels) as u64
     }
 
     pub fn upload(device: &Device, flat: &Flat, scene: &Scene) -> Result<Self, DeviceError> {
-        let Surfaces { materials, textures } = materials::ready(&scene.materials, &scene.images);
+        let Surfaces { materials, textures } = materials::ready(&scene.materials, &scene.images, Ambient::of(scene));
         Ok(Self {
             primitives: device.upload(&flat.primitives)?,
             positions: device.upload(&flat.positions)?,
             normals: device.upload(&flat.normals)?,
             uvs: device.upload(&flat.uvs)?,
+            second_uvs: device.upload(&flat.second_uvs)?,
             colors: device.upload(&flat.colors)?,
             tangents: device.upload(&flat.tangents)?,
             materials: device.upload(&materials)?,
@@ -57,8 +60,9 @@ impl ResidentScene {
         device: &Device,
         materials: &[scene::Material],
         images: &[Image],
+        ambient: Ambient,
     ) -> Result<(), DeviceError> {
-        let Surfaces { materials, textures } = materials::ready(materials, images);
+        let Surfaces { materials, textures } = materials::ready(materials, images, ambient);
         (self.materials, self.textures) = (device.upload(&materials)?, device.upload(&textures)?);
         Ok(())
     }
@@ -87,6 +91,7 @@ impl ResidentScene {
             positions: self.positions.view(),
             normals: self.normals.view(),
             uvs: self.uvs.view(),
+            second_uvs: self.second_uvs.view(),
             colors: self.colors.view(),
             tangents: self.tangents.view(),
             materials: self.materials.view(),

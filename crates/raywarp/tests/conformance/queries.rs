@@ -62,8 +62,7 @@ fn odd_rays_are_the_same_everywhere() {
             let [a, b, c] = [0, 1, 2].map(|i| corners[3 * triangle.primitive as usize + i] * (scale / 500.0));
             *triangle = Triangle::new(a, b, c, triangle.primitive, 0);
         }
-        // What is large comes last: from beyond 2^58 times the scene's size, a ray along an axis has no digits left
-        // for the other two.
+        // What is large comes last: see `rays_along_axes_agree_up_to_2_57_times_the_extent_of_a_triangle`.
         let odd = [0.0, -0.0, scale, -scale, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e-38, 1e30, f32::MAX];
         let mut random = Random(9);
         let mut any = |kinds: usize, one_in: usize, good: f32| match random.bits() as usize % one_in {
@@ -87,6 +86,43 @@ fn odd_rays_are_the_same_everywhere() {
             let caster = RayCaster::new(cornell.clone(), kind, &device()).unwrap();
             assert_same(&caster.all(&rays).unwrap(), &all, &rays, &format!("{kind} at {scale:e}"));
             assert!(caster.any(&rays).unwrap() == blocked, "{kind} at {scale:e}: any hit");
+        }
+    }
+}
+
+/// Where boxes are tested, a component of the direction counts as at least 2^-80 of the largest, and boxes have a margin
+/// of 2^-22 of each triangle's extent, half of which the test of the triangle may need. So the extent of the triangle counts,
+/// and not the size of the scene.
+#[test]
+fn rays_along_axes_agree_up_to_2_57_times_the_extent_of_a_triangle() {
+    for extent in [1.0f32, 2.0f32.powi(-10)] {
+        // Squares in a row, the first and the last of which are a thousand apart.
+        let corner = |place: f32, x: f32, y: f32| Vec3::new(place + x * extent, y * extent, 0.0);
+        let square = |(index, place): (u32, f32)| {
+            let [a, b, c, d] = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| corner(place, x, y));
+            [Triangle::new(a, b, c, 2 * index, 0), Triangle::new(a, c, d, 2 * index + 1, 0)]
+        };
+        let places = (0..64).map(|i| i as f32 * extent).chain([1000.0]);
+        let triangles: Vec<Triangle> = (0..).zip(places.clone()).flat_map(square).collect();
+        // From edges, corners and the inside, backwards and forwards along z.
+        let spots: Vec<_> = places.flat_map(|place| [0.0, 0.25, 0.5, 1.0].map(|x| place + x * extent)).collect();
+        let mut rays = Vec::new();
+        for power in [0, 30, 50, 55, 56, 57] {
+            let away = extent * 2.0f32.powi(power);
+            for (index, &x) in spots.iter().enumerate() {
+                let y = [0.0, 0.25, 0.75, 1.0][index / 4 % 4] * extent;
+                for (z, sign) in [(away, -1.0), (-away, 1.0)] {
+                    for zero in [0.0, -0.0] {
+                        rays.push(Ray::new(Vec3::new(x, y, z), Vec3::new(zero, zero, sign)));
+                    }
+                }
+            }
+        }
+        let oracle = RayCaster::new(triangles.clone(), AccelKind::Brute, &reference()).unwrap().all(&rays).unwrap();
+        assert!(oracle.hits.len() > rays.len() / 2);
+        for kind in AccelKind::ALL {
+            let caster = RayCaster::new(triangles.clone(), kind, &device()).unwrap();
+            assert_same(&caster.all(&rays).unwrap(), &oracle, &rays, &format!("{kind}, extent {extent:e}"));
         }
     }
 }

@@ -1,18 +1,17 @@
 //! `raywarp bench --live`: the viewer as people feel it, without its window.
 //!
-//! [`hand`] turns the camera as a drag would and [`watch`] times the pictures that come of it; [`encode`] times what a
+//! [`scripted_pointer`] turns the camera as a drag would and [`watch`] times the pictures that come of it; [`encode`] times what a
 //! browser would be sent of them. [`rows`] is what came of it and [`table`] how people read it.
 
 mod case;
 mod encode;
-mod hand;
 mod rows;
+mod scripted_pointer;
 mod table;
 mod watch;
 
 use std::time::Duration;
 
-use anyhow::Context;
 use raywarp::accel::{AccelKind, Quality};
 use raywarp::backend::Device;
 use raywarp::scene::RenderDefaults;
@@ -27,8 +26,8 @@ use crate::interrupt::Interrupt;
 use crate::render::limit_threads;
 use crate::say;
 use case::Case;
-use hand::Hand;
 use rows::{Live, Row};
+use scripted_pointer::ScriptedPointer;
 
 /// Between two looks at what the stage has ready.
 const NAP: Duration = Duration::from_millis(5);
@@ -51,8 +50,7 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
         }
     }
     anyhow::ensure!(!live.rows.is_empty(), "nothing was measured; the notes above say why");
-    let text = if options.json { serde_json::to_string_pretty(&live)? + "\n" } else { live.table() };
-    say::out(text.as_bytes()).context("cannot write the results")
+    say::results(&live, options.json, || live.table())
 }
 
 /// Every structure with every quality of tree; no structure: the viewer's own choice.
@@ -108,8 +106,8 @@ impl Live {
     }
 
     fn row(&self, subject: &Subject, stage: &mut Stage, size: [u32; 2], case: Case) -> anyhow::Result<Row> {
-        let mut hand = Hand::new(stage, size, case, &subject.view)?;
-        let status = hand.status();
+        let mut pointer = ScriptedPointer::new(stage, size, case, &subject.view)?;
+        let status = pointer.status();
         let ([width, height], structure) = (size, &status.accel);
         anyhow::ensure!(
             status.triangles > 0,
@@ -117,7 +115,7 @@ impl Live {
             subject.name
         );
         say::line(&format!("{}: {width}x{height}, {case}, {structure} ...", subject.name));
-        let watched = watch::watch(&mut hand, case, self.seconds, self.warmup)?;
-        Row::new(&subject.name, &status, case, &watched, &hand.rest)
+        let watched = watch::watch(&mut pointer, case, self.seconds, self.warmup)?;
+        Row::new(&subject.name, &status, case, &watched, &pointer.rest)
     }
 }

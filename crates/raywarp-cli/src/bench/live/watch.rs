@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use raywarp_viewer::live::Picture;
 
 use super::case::Case;
-use super::hand::{Frame, Hand};
+use super::scripted_pointer::{Frame, ScriptedPointer};
 
 /// Pictures that are timed at least.
 const FEWEST: usize = 3;
@@ -34,16 +34,16 @@ pub struct Watched {
 ///
 /// # Errors
 /// The device fails, or pictures fail to come.
-pub fn watch(hand: &mut Hand, case: Case, seconds: f64, warmup: u32) -> anyhow::Result<Watched> {
+pub fn watch(pointer: &mut ScriptedPointer, case: Case, seconds: f64, warmup: u32) -> anyhow::Result<Watched> {
     let mut beat = Beat::new(case.period(), seconds);
     let (start, mut before) = (Instant::now(), 0);
     while before < warmup || start.elapsed().as_secs_f64() < BEFORE * seconds {
-        hand.next(beat.turn())?;
+        pointer.next(beat.turn())?;
         before += 1;
     }
     let (start, mut watched) = (Instant::now(), Watched::default());
     while watched.ms.len() < FEWEST || watched.seconds < seconds {
-        watched.take(hand.next(beat.turn())?, seconds);
+        watched.take(pointer.next(beat.turn())?, seconds);
         watched.seconds = start.elapsed().as_secs_f64();
     }
     Ok(watched)

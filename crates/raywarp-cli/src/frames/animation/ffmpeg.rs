@@ -66,8 +66,7 @@ impl Encoder {
         fps: f64,
         interrupt: &Interrupt,
     ) -> anyhow::Result<Self> {
-        let target =
-            tempfile::Builder::new().prefix(".raywarp-").suffix(".tmp").tempfile_in(write::directory_of(path))?;
+        let target = write::temporary(path)?;
         interrupt.unfinished(target.path().to_owned());
         let said = tempfile::tempfile().context("cannot keep what ffmpeg says")?;
         let mut command = command(container, size, fps, target.path());

@@ -16,6 +16,7 @@ use raywarp::image::Rgb8;
 use raywarp::write;
 
 use crate::interrupt::Interrupt;
+use crate::output::Target;
 use crate::say;
 use ffmpeg::Container;
 
@@ -94,14 +95,15 @@ impl Animation {
     }
 
     /// Puts the file in its place, and returns a line about it.
-    pub fn finish(self, interrupt: &Interrupt) -> anyhow::Result<String> {
-        let name = self.path.display();
+    pub fn finish(self, target: Target) -> anyhow::Result<String> {
+        let name = say::path(&self.path);
         let mut spool = self.encoder.finish().with_context(|| format!("cannot write {name}"))?;
         let failed = || format!("cannot read {name} again before it is put in its place");
         let bytes = spool.metadata().with_context(failed)?.len();
         spool.rewind().with_context(failed)?;
-        let _held = interrupt.hold();
-        write::with(&self.path, bytes, |file| io::copy(&mut spool, &mut interrupt.stop(file)).map(drop))?;
+        let _held = target.interrupt.hold();
+        let fill = |file: &mut File| io::copy(&mut spool, &mut target.interrupt.stop(file)).map(drop);
+        target.run.with(&self.path, bytes, fill)?;
         let frames = say::count(self.frames, "frame");
         Ok(format!("{name}: {frames}, {} a second, {}", self.fps, say::bytes(bytes)))
     }

@@ -19,20 +19,32 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use raywarp::write;
+use raywarp::write::{self, Outputs};
 
 use super::findings::Study;
+use crate::interrupt::Interrupt;
+use crate::output::Target;
 
 /// The folder of the plots, within that of the report.
 const PLOTS: &str = "plots";
 
-/// Finds out whether [`write`] can be expected to succeed, before minutes of work. Makes the folder.
+/// The pages, and the data.
+const PAGES: [&str; 3] = ["report.html", "report.md", "study.json"];
+
+/// Finds out whether [`write`] can be expected to succeed, before minutes of work, and adds its files to the outputs of
+/// the run. Makes the folder.
 ///
 /// # Errors
 /// As for [`write`].
-pub fn check(folder: &Path) -> anyhow::Result<()> {
-    make(folder)?;
-    Ok(write::check(&folder.join("report.html"))?)
+pub fn check(folder: &Path, run: &mut Outputs, interrupt: &Interrupt) -> anyhow::Result<()> {
+    // A trial makes a file for a moment.
+    let _held = interrupt.hold();
+    let plots = make(folder)?;
+    PAGES.iter().try_for_each(|name| run.add(&folder.join(name)))?;
+    // Which plots there will be is known at the end; those of the last time are replaced.
+    let entries = fs::read_dir(plots).into_iter().flatten().filter_map(Result::ok).map(|entry| entry.path());
+    entries.filter(|path| path.is_file()).try_for_each(|path| run.add(&path))?;
+    Ok(write::check(&folder.join(PAGES[0]))?)
 }
 
 /// Makes the folder for a report, and that for its plots.
@@ -50,25 +62,23 @@ fn make(folder: &Path) -> anyhow::Result<PathBuf> {
 ///
 /// # Errors
 /// Where the folder cannot be made or a file not be written.
-pub fn write(study: &Study, folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+pub fn write(study: &Study, folder: &Path, target: Target) -> anyhow::Result<Vec<PathBuf>> {
     let document = sections::document(study)?;
     let data = serde_json::to_vec_pretty(study).context("cannot write the study as JSON")?;
+    // A report is whole: Ctrl-C waits for its last file.
+    let _held = target.interrupt.hold();
     let plots = make(folder)?;
     let mut figures = Vec::new();
     for figure in document.figures() {
         let path = plots.join(&figure.file);
-        write::file(&path, figure.picture.bytes())?;
+        target.run.file(&path, figure.picture.bytes())?;
         figures.push(path);
     }
-    let pages = [
-        ("report.html", html::page(&document).into_bytes()),
-        ("report.md", markdown::text(&document, PLOTS).into_bytes()),
-        ("study.json", data),
-    ];
+    let pages = [html::page(&document).into_bytes(), markdown::text(&document, PLOTS).into_bytes(), data];
     let mut paths = Vec::new();
-    for (name, bytes) in pages {
+    for (name, bytes) in PAGES.into_iter().zip(pages) {
         let path = folder.join(name);
-        write::file(&path, &bytes)?;
+        target.run.file(&path, &bytes)?;
         paths.push(path);
     }
     paths.extend(figures);

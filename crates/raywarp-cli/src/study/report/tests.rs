@@ -6,15 +6,23 @@ use std::path::{Path, PathBuf};
 use proptest::prelude::*;
 use quick_xml::events::Event;
 use quick_xml::Reader;
+use raywarp::write::Outputs;
 use tempfile::TempDir;
 
 use super::{sample, sections, write};
 use crate::bench::Spread;
+use crate::interrupt::Interrupt;
+use crate::output::Target;
 use crate::study::findings::{Bin, Distribution, SceneStudy, Study};
 
 const HOSTILE: &str = "<script>alert(1)</script>& \"'|[x](y)\u{1}\n-->]]>";
 
 const SECTIONS: [&str; 9] = ["structures", "growth", "speed", "stages", "tests", "load", "lanes", "sharing", "paths"];
+
+fn written(study: &Study, folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let (run, interrupt) = (Outputs::default(), Interrupt::install());
+    write(study, folder, Target { run: &run, interrupt: &interrupt })
+}
 
 /// A report in a folder of its own.
 struct Report {
@@ -25,7 +33,7 @@ struct Report {
 impl Report {
     fn of(study: &Study) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let files = write(study, &folder.path().join("a/new folder")).unwrap();
+        let files = written(study, &folder.path().join("a/new folder")).unwrap();
         Self { _folder: folder, files }
     }
 
@@ -177,8 +185,8 @@ fn what_was_not_measured_is_a_sentence() {
 #[test]
 fn a_second_report_takes_the_place_of_the_first() {
     let folder = tempfile::tempdir().unwrap();
-    write(&sample::study(&["test-a.obj"]), folder.path()).unwrap();
-    write(&sample::empty(), folder.path()).unwrap();
+    written(&sample::study(&["test-a.obj"]), folder.path()).unwrap();
+    written(&sample::empty(), folder.path()).unwrap();
     assert!(fs::read_to_string(folder.path().join("report.md")).unwrap().contains("This run has no scene."));
 }
 
@@ -187,12 +195,12 @@ fn a_folder_that_cannot_be_is_a_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a file");
     fs::write(&file, "").unwrap();
-    let error = write(&sample::empty(), &file).unwrap_err();
+    let error = written(&sample::empty(), &file).unwrap_err();
     assert!(error.to_string().starts_with("cannot make the folder"), "{error}");
     assert!(error.to_string().ends_with("give a folder that you may write to"), "{error}");
 
     fs::create_dir_all(folder.path().join("b/report.md")).unwrap();
-    let error = write(&sample::empty(), &folder.path().join("b")).unwrap_err();
+    let error = written(&sample::empty(), &folder.path().join("b")).unwrap_err();
     assert!(error.to_string().contains("it is a directory"), "{error}");
 }
 
@@ -280,5 +288,5 @@ fn a_sample_to_look_at() {
     let folder = std::env::var_os("RAYWARP_SAMPLE_REPORT").expect("RAYWARP_SAMPLE_REPORT names a folder");
     let mut study = sample::study(&["test <b> & c"]);
     study.scenes.push(sample::empty_scene("test-empty.obj"));
-    write(&study, Path::new(&folder)).unwrap();
+    written(&study, Path::new(&folder)).unwrap();
 }

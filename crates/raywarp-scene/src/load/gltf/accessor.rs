@@ -6,6 +6,7 @@ use ::gltf::json::Index;
 
 use super::super::LoadError;
 use super::buffers::{Buffers, View};
+use super::decoded::Attribute;
 use super::origin::Origin;
 
 /// The elements of an accessor. Every element below `count` lies inside its buffer.
@@ -13,7 +14,7 @@ pub(super) struct Elements<'a> {
     /// Its name in messages.
     pub name: String,
     pub count: usize,
-    /// Components an element, 1 to 4.
+    /// Components an element, 1 to 4, or 16.
     pub lanes: usize,
     pub component: ComponentType,
     normalized: bool,
@@ -55,25 +56,34 @@ impl<'a> Elements<'a> {
             let expected = format!("an index below {}, the number of accessors", accessors.len());
             origin.broken(format!("{owner} uses {name}"), expected)
         })?;
+        if let Some(attribute) = buffers.decoded.accessors.get(&index.value()) {
+            return Ok(Self::decoded(name, accessor.normalized, attribute));
+        }
         let component = match &accessor.component_type {
             Checked::Valid(component) => component.0,
             Checked::Invalid => return Err(origin.broken(format!("{name} has a wrong componentType"), "5120 to 5126")),
         };
         let lanes = lanes(&accessor.type_).ok_or_else(|| {
-            origin.broken(format!("{name}, used by {owner}, has a wrong type"), "SCALAR, VEC2, VEC3 or VEC4")
+            origin.broken(format!("{name}, used by {owner}, has a wrong type"), "SCALAR, VEC2, VEC3, VEC4 or MAT4")
         })?;
         let count = whole(origin, &name, accessor.count.0)?;
         let size = lanes * component.size();
         let offset = accessor.byte_offset.unwrap_or_default().0;
-        let base = match accessor.buffer_view {
-            Some(view) => Some(span(origin, &name, buffers.view(origin, &name, view)?, offset, count, size)?),
-            None => zeros(origin, &name, buffers, count, size)?,
-        };
+        // Zeros cost nothing in the file and nothing here: whoever copies elements takes room for them.
+        let view = accessor.buffer_view.map(|view| buffers.view(origin, &name, view)).transpose()?;
+        let base = view.map(|view| span(origin, &name, view, offset, count, size)).transpose()?;
         let sparse = match &accessor.sparse {
             Some(sparse) => Some(read_sparse(origin, &name, buffers, sparse, count, size)?),
             None => None,
         };
         Ok(Self { name, count, lanes, component, normalized: accessor.normalized, base, sparse })
+    }
+
+    /// Of an accessor that was compressed. What the JSON says of it is not needed, but for how integers are meant.
+    fn decoded(name: String, normalized: bool, attribute: &'a Attribute) -> Self {
+        let Attribute { bytes, count, lanes, component } = attribute;
+        let base = Some(Span { bytes, stride: lanes * component.size() });
+        Self { name, count: *count, lanes: *lanes, component: *component, normalized, base, sparse: None }
     }
 
     /// Elements that had to be read to make this.
@@ -113,7 +123,17 @@ impl<'a> Elements<'a> {
 
     /// The first lane of the element at an index below `count` as an unsigned integer.
     pub fn integer(&self, index: usize) -> u32 {
-        self.element(index).map_or(0, |bytes| unsigned(bytes, self.component))
+        self.integers::<1>(index)[0]
+    }
+
+    /// The element at an index below `count` as unsigned integers; lanes that it lacks are 0.
+    pub fn integers<const N: usize>(&self, index: usize) -> [u32; N] {
+        let Some(bytes) = self.element(index) else { return [0; N] };
+        let size = self.component.size();
+        std::array::from_fn(|lane| match lane < self.lanes {
+            true => unsigned(&bytes[lane * size..], self.component),
+            false => 0,
+        })
     }
 }
 
@@ -123,6 +143,8 @@ fn lanes(kind: &Checked<Type>) -> Option<usize> {
         Checked::Valid(Type::Vec2) => Some(2),
         Checked::Valid(Type::Vec3) => Some(3),
         Checked::Valid(Type::Vec4) => Some(4),
+        // Columns of all other matrices may be padded; nothing here reads one.
+        Checked::Valid(Type::Mat4) => Some(16),
         _ => None,
     }
 }
@@ -156,23 +178,6 @@ fn span<'a>(
             let read = format!("{name} has {count} elements of {size} bytes, {stride} apart, from byte {offset}");
             Err(origin.broken(read, format!("a part of its view of {} bytes", view.bytes.len())))
         }
-    }
-}
-
-/// An accessor without a view costs nothing in the file, so the file's size has to vouch for it.
-fn zeros<'a>(
-    origin: Origin,
-    name: &str,
-    buffers: &Buffers,
-    count: usize,
-    size: usize,
-) -> Result<Option<Span<'a>>, LoadError> {
-    let total = buffers.total_bytes();
-    match count.checked_mul(size) {
-        Some(bytes) if bytes <= total => Ok(None),
-        _ => Err(origin.too_large(format!(
-            "{name} claims {count} zeros of {size} bytes without a bufferView, and all buffers together have {total} bytes"
-        ))),
     }
 }
 

@@ -8,19 +8,47 @@ use super::origin::Origin;
 const BYTES_PER_BYTE: usize = 32;
 /// What is allowed whatever the size of the file.
 const FREE_BYTES: usize = 64 << 20;
+/// What compressed streams may decode to for each byte of the file and its buffers. Smooth geometry takes a tenth of its
+/// size; meshopt's first codec ends at a 64th.
+const DECODED_BYTES_PER_BYTE: usize = 100;
+/// What decoded geometry may take for each decoded byte: it is packed no more than an accessor, in which the smallest
+/// vertices with all attributes have about 20 bytes.
+const BYTES_PER_DECODED_BYTE: usize = 8;
 
 /// Bytes that may still be allocated.
 pub(super) struct Budget {
     left: usize,
     limit: usize,
     input: usize,
+    decoded_left: usize,
 }
 
 impl Budget {
     /// A budget for so many bytes of files.
     pub fn new(input: usize) -> Self {
         let limit = input.saturating_mul(BYTES_PER_BYTE).saturating_add(FREE_BYTES);
-        Self { left: limit, limit, input }
+        let decoded_left = input.saturating_mul(DECODED_BYTES_PER_BYTE).saturating_add(FREE_BYTES);
+        Self { left: limit, limit, input, decoded_left }
+    }
+
+    /// Bytes that may still be decoded.
+    pub fn decoded_left(&self) -> usize {
+        self.decoded_left
+    }
+
+    /// Takes room for some decoded elements, or says that there is none; what is made of them has room then, too.
+    pub fn take_decoded(&mut self, origin: Origin, count: usize, bytes_each: usize) -> Result<(), LoadError> {
+        let bytes = count.checked_mul(bytes_each).filter(|&bytes| bytes <= self.decoded_left);
+        let bytes = bytes.ok_or_else(|| {
+            let (input, left) = (self.input, self.decoded_left);
+            origin.too_large(format!(
+                "{input} bytes of files decode to {count} elements of {bytes_each} bytes, and {left} bytes are left for them"
+            ))
+        })?;
+        self.decoded_left -= bytes;
+        let room = bytes.saturating_mul(BYTES_PER_DECODED_BYTE);
+        (self.left, self.limit) = (self.left.saturating_add(room), self.limit.saturating_add(room));
+        Ok(())
     }
 
     /// Takes room for some elements, or says that there is none.
@@ -41,7 +69,7 @@ mod tests {
     #[test]
     fn spent_bytes_do_not_come_back() {
         let origin = Origin { path: "f.glb".as_ref() };
-        let mut budget = Budget { left: 10, limit: 10, input: 3 };
+        let mut budget = Budget { left: 10, limit: 10, input: 3, decoded_left: 0 };
         assert!(budget.take(origin, 2, 4).is_ok());
         assert!(budget.take(origin, usize::MAX, 2).is_err());
         assert_eq!(
@@ -50,5 +78,18 @@ mod tests {
              memory: export the model again."
         );
         assert!(budget.take(origin, 2, 1).is_ok());
+    }
+
+    #[test]
+    fn what_was_decoded_has_room() {
+        let origin = Origin { path: "f.glb".as_ref() };
+        let mut budget = Budget { left: 0, limit: 0, input: 3, decoded_left: 10 };
+        assert!(budget.take_decoded(origin, 2, 5).is_ok());
+        assert!(budget.take(origin, 80, 1).is_ok() && budget.take(origin, 1, 1).is_err());
+        assert_eq!(
+            budget.take_decoded(origin, 1, 4).unwrap_err().to_string(),
+            "f.glb: 3 bytes of files decode to 1 elements of 4 bytes, and 0 bytes are left for them. The file is damaged \
+             or made to exhaust memory: export the model again."
+        );
     }
 }

@@ -7,13 +7,17 @@ use std::rc::Rc;
 use ::gltf::json::{buffer, Index, Root};
 
 use super::super::{LoadError, Sources};
+use super::decoded::Decoded;
+use super::meshopt;
 use super::origin::Origin;
 use super::uri::{resolve, Resource};
 
-/// All buffers of a file, each as long as it claims at least.
+/// All buffers of a file, each as long as it claims at least, but for those that have no bytes anywhere.
 pub(super) struct Buffers<'a> {
     list: Vec<Data<'a>>,
     views: &'a [buffer::View],
+    /// What is read instead of views and accessors that are compressed.
+    pub decoded: Decoded,
 }
 
 enum Data<'a> {
@@ -21,6 +25,8 @@ enum Data<'a> {
     Owned(Vec<u8>),
     /// Several buffers may name one file.
     File(Rc<Vec<u8>>),
+    /// There are none: an error for whoever reads them.
+    Nowhere,
 }
 
 impl Data<'_> {
@@ -29,6 +35,7 @@ impl Data<'_> {
             Self::Chunk(bytes) => bytes,
             Self::Owned(bytes) => bytes,
             Self::File(bytes) => bytes,
+            Self::Nowhere => &[],
         }
     }
 }
@@ -42,7 +49,7 @@ pub(super) struct View<'a> {
 }
 
 impl<'a> Buffers<'a> {
-    /// Reads every buffer; the one without a URI is the binary chunk.
+    /// Reads every buffer that has bytes; the first one without a URI is the binary chunk.
     pub fn load(
         origin: Origin,
         root: &'a Root,
@@ -54,19 +61,17 @@ impl<'a> Buffers<'a> {
         for (index, buffer) in root.buffers.iter().enumerate() {
             let name = format!("buffers[{index}]");
             let data = match &buffer.uri {
+                _ if meshopt::is_fallback(buffer) => Data::Nowhere,
                 Some(uri) => read(origin, &name, uri, sources, &mut files)?,
-                None => Data::Chunk(chunk.filter(|_| index == 0).ok_or_else(|| {
-                    origin
-                        .broken(format!("{name} has no uri"), "a uri, or the first buffer of a GLB with a binary chunk")
-                })?),
+                None => chunk.filter(|_| index == 0).map_or(Data::Nowhere, Data::Chunk),
             };
             let (has, claims) = (data.bytes().len(), buffer.byte_length.0);
-            if (has as u64) < claims {
+            if (has as u64) < claims && !matches!(data, Data::Nowhere) {
                 return Err(origin.broken(format!("{name} has {has} bytes"), format!("its byteLength of {claims}")));
             }
             list.push(data);
         }
-        Ok(Self { list, views: &root.buffer_views })
+        Ok(Self { list, views: &root.buffer_views, decoded: Decoded::default() })
     }
 
     /// Bytes of all buffers together, shared files once.
@@ -88,19 +93,38 @@ impl<'a> Buffers<'a> {
             )
         };
         let view = self.views.get(index).ok_or_else(missing)?;
-        let buffer = view.buffer.value();
-        let data = self.list.get(buffer).ok_or_else(|| {
-            let expected = format!("an index below {}, the number of buffers", self.list.len());
-            origin.broken(format!("bufferViews[{index}] uses buffers[{buffer}]"), expected)
-        })?;
-        let (start, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
-        let bytes = range(data.bytes(), start, length).ok_or_else(|| {
-            let read = format!("bufferViews[{index}] has {length} bytes from byte {start}");
-            origin.broken(read, format!("a part of the {} bytes of buffers[{buffer}]", data.bytes().len()))
-        })?;
         // 0 is not allowed and means none where it is written.
         let stride = view.byte_stride.map(|stride| stride.0).filter(|&stride| stride > 0);
+        if let Some(bytes) = self.decoded.views.get(&index) {
+            return Ok(View { bytes, stride });
+        }
+        let name = format!("bufferViews[{index}]");
+        let (start, length) = (view.byte_offset.unwrap_or_default().0, view.byte_length.0);
+        let bytes = self.part(origin, &name, view.buffer.value(), start, length)?;
         Ok(View { bytes, stride })
+    }
+
+    /// Bytes of a buffer, for the JSON object that is named `owner` in messages.
+    pub fn part(
+        &self,
+        origin: Origin,
+        owner: &str,
+        buffer: usize,
+        start: u64,
+        length: u64,
+    ) -> Result<&[u8], LoadError> {
+        let data = self.list.get(buffer).ok_or_else(|| {
+            let expected = format!("an index below {}, the number of buffers", self.list.len());
+            origin.broken(format!("{owner} uses buffers[{buffer}]"), expected)
+        })?;
+        if let Data::Nowhere = data {
+            let expected = "a uri, or the first buffer of a GLB with a binary chunk";
+            return Err(origin.broken(format!("buffers[{buffer}], which {owner} reads, has no uri"), expected));
+        }
+        range(data.bytes(), start, length).ok_or_else(|| {
+            let read = format!("{owner} has {length} bytes from byte {start}");
+            origin.broken(read, format!("a part of the {} bytes of buffers[{buffer}]", data.bytes().len()))
+        })
     }
 }
 

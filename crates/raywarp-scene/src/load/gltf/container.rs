@@ -1,12 +1,12 @@
 //! From the bytes of a `.gltf` or `.glb` file to its JSON and its binary chunk.
 
-use ::gltf::json::{deserialize, Error, Root};
+use ::gltf::json::{Error, Root, Value};
 use serde::Deserialize;
 
 use super::super::quote::{file_name, quote};
 use super::super::{LoadError, Place, Sources};
-use super::extensions;
 use super::origin::Origin;
+use super::{extensions, mended};
 
 /// The two halves of a glTF file.
 pub(super) struct Parts<'a> {
@@ -86,19 +86,27 @@ struct Head {
 
 #[derive(Deserialize)]
 struct Asset {
-    version: String,
+    /// A string, in glTF 1 at times a number.
+    version: Value,
 }
 
 /// Parses the JSON. Extensions come first: they change what the rest may look like.
 pub(super) fn parse(origin: Origin, parts: &Parts, sources: &mut Sources) -> Result<Root, LoadError> {
     let failed = |error: Error| broken_json(origin, parts, &error);
-    let head: Head = deserialize::from_slice(parts.json).map_err(failed)?;
-    if !head.asset.version.starts_with("2.") {
-        let read = format!("asset.version {}", quote(head.asset.version.as_bytes()));
-        return Err(origin.broken(read, "version 2.0"));
-    }
+    let head: Head = mended::parse(parts.json).map_err(failed)?;
+    check_version(origin, &head.asset.version)?;
     extensions::check(origin, &head.extensions_used, &head.extensions_required, sources)?;
-    deserialize::from_slice(parts.json).map_err(failed)
+    mended::parse(parts.json).map_err(failed)
+}
+
+fn check_version(origin: Origin, version: &Value) -> Result<(), LoadError> {
+    let read = match version {
+        Value::String(version) if version.starts_with("2.") => return Ok(()),
+        Value::String(version) => quote(version.as_bytes()),
+        Value::Number(version) => version.to_string(),
+        _ => "of another type than a string".to_owned(),
+    };
+    Err(origin.broken(format!("asset.version {read}"), "version 2.0"))
 }
 
 fn broken_json(origin: Origin, parts: &Parts, error: &Error) -> LoadError {

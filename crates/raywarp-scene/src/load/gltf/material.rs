@@ -14,16 +14,19 @@ use super::phong::{at_most, reflectance_of, Surface};
 use super::texture::{self, Slot};
 use super::Reader;
 use crate::srgb::srgb_to_linear;
-use crate::{AlphaMode, Material, NormalMap, Texture};
+use crate::{AlphaMode, Material, NormalMap, Texture, UvSet};
 
 /// A material that was read.
 #[derive(Clone, Copy)]
 pub(super) struct Known {
     /// Index in the scene's materials.
     pub index: u32,
-    /// The set of texture coordinates that its meshes need.
-    pub texture_set: u32,
+    /// The sets of texture coordinates that its meshes need, the first and the second of raywarp's.
+    pub sets: Sets,
 }
+
+/// Which TEXCOORD each of a mesh's sets is read from, if any.
+pub(super) type Sets = [Option<u32>; 2];
 
 /// A material of the JSON; `None` is the default one, white and rough.
 pub(super) fn read(reader: &mut Reader, index: Option<usize>) -> Result<Known, LoadError> {
@@ -37,25 +40,66 @@ pub(super) fn read(reader: &mut Reader, index: Option<usize>) -> Result<Known, L
         (None, None) => "default".to_owned(),
     };
     let mut material = Material { name, ..Material::default() };
-    convert(reader, &json, &mut material)?;
-    let known = Known { index: reader.scene.materials.len() as u32, texture_set: texture_set(reader, &json)? };
+    let sets = sets(reader, &json)?;
+    convert(reader, &json, sets, &mut material)?;
+    let known = Known { index: reader.scene.materials.len() as u32, sets };
     reader.scene.materials.push(material);
     reader.cache.materials.insert(index, known);
     Ok(known)
 }
 
-/// The set of texture coordinates of the base colour, else of any texture.
-fn texture_set(reader: &mut Reader, json: &JsonMaterial) -> Result<u32, LoadError> {
+/// The material as a mesh shows it that lacks some sets of texture coordinates: without the textures that read them.
+pub(super) fn without(reader: &mut Reader, known: Known, lacks: [bool; 2], mesh: &str) -> Result<Known, LoadError> {
+    let is_lacking = |texture: &Texture| lacks[usize::from(texture.uv_set == UvSet::Second)];
+    let mut plain = reader.scene.materials[known.index as usize].clone();
+    let maps = [&mut plain.diffuse_map, &mut plain.specular_map, &mut plain.emission_map, &mut plain.opacity_map];
+    let mut is_changed = false;
+    for map in maps {
+        is_changed |= map.take_if(|texture| is_lacking(texture)).is_some();
+    }
+    let bends = |map: &mut NormalMap| match map {
+        NormalMap::Tangent { texture, .. } | NormalMap::Height { texture, .. } => is_lacking(texture),
+    };
+    is_changed |= plain.normal_map.take_if(bends).is_some();
+    if !is_changed {
+        return Ok(known);
+    }
+    let (mesh, name) = (quote(mesh.as_bytes()), quote(plain.name.as_bytes()));
+    reader
+        .warn(format!("mesh {mesh} lacks texture coordinates of material {name}: it is shown without the textures"))?;
+    if let Some(&index) = reader.cache.plain_materials.get(&(known.index, lacks)) {
+        return Ok(Known { index, ..known });
+    }
+    let index = reader.scene.materials.len() as u32;
+    reader.budget.take(reader.origin, plain.name.len(), 1)?;
+    reader.scene.materials.push(plain);
+    reader.cache.plain_materials.insert((known.index, lacks), index);
+    Ok(Known { index, ..known })
+}
+
+/// TEXCOORD_0, and TEXCOORD_1 where a texture reads it. A material that reads others has the first two that it reads.
+fn sets(reader: &mut Reader, json: &JsonMaterial) -> Result<Sets, LoadError> {
     let mut slots: Vec<Slot> = Vec::new();
     slots.extend(base_texture(json).map(Slot::from));
     slots.extend(json.normal_texture.as_ref().map(|map| Slot::of_normal_map(reader.origin, map)).transpose()?);
     slots.extend(json.emissive_texture.as_ref().map(Slot::from));
-    let set = slots.first().map_or(0, |slot| slot.set);
-    if slots.iter().any(|slot| slot.set != set) {
-        let name = quote(json.name.as_deref().unwrap_or_default().as_bytes());
-        reader.warn(format!("material {name} uses several sets of texture coordinates: all use TEXCOORD_{set}"))?;
+    let mut read: Vec<u32> = Vec::new();
+    for slot in slots {
+        if !read.contains(&slot.set) {
+            read.push(slot.set);
+        }
     }
-    Ok(set)
+    if read.iter().all(|&set| set < 2) {
+        return Ok([Some(0), read.contains(&1).then_some(1)]);
+    }
+    if read.len() > 2 {
+        let name = quote(json.name.as_deref().unwrap_or_default().as_bytes());
+        let (count, first) = (read.len(), read[0]);
+        reader.warn(format!(
+            "material {name} uses {count} sets of texture coordinates: all but two are taken for TEXCOORD_{first}"
+        ))?;
+    }
+    Ok([read.first().copied(), read.get(1).copied()])
 }
 
 fn json(reader: &Reader, index: Option<usize>) -> Result<JsonMaterial, LoadError> {
@@ -78,37 +122,43 @@ fn base_texture(json: &JsonMaterial) -> Option<&Info> {
     }
 }
 
-fn convert(reader: &mut Reader, json: &JsonMaterial, material: &mut Material) -> Result<(), LoadError> {
+fn convert(reader: &mut Reader, json: &JsonMaterial, sets: Sets, material: &mut Material) -> Result<(), LoadError> {
     let factor = match glossiness(json) {
         Some(glossiness) => glossiness.diffuse_factor.0,
         None => json.pbr_metallic_roughness.base_color_factor.0,
     };
     let [red, green, blue, opacity] = factor.map(unit);
+    // Before the means: a picture that is kept is decoded once.
+    material.diffuse_map = color_texture(reader, base_texture(json), sets)?;
     let mut surface = match glossiness(json) {
         Some(glossiness) => glossy(reader, glossiness, [red, green, blue])?,
         None => metallic(reader, json, [red, green, blue])?,
     };
     transmit(reader, json, &mut surface)?;
     surface.apply_to(material);
+    if material.transmission != [0.0; 3] {
+        material.absorption = absorption(json);
+    }
     material.unlit = json.extensions.as_ref().is_some_and(|extensions| extensions.unlit.is_some());
     if material.unlit {
         unlit(material, surface.base);
     }
     material.opacity = opacity;
     material.alpha = alpha_mode(json);
-    material.diffuse_map = texture_of(reader, base_texture(json), true)?;
-    emit(reader, json, material)?;
+    material.single_sided = !json.double_sided;
+    emit(reader, json, sets, material)?;
     if let Some(map) = &json.normal_texture {
         let slot = Slot::of_normal_map(reader.origin, map)?;
         let scale = if map.scale.is_finite() { map.scale } else { 1.0 };
-        material.normal_map = texture::read(reader, &slot, false)?.map(|texture| NormalMap::Tangent { texture, scale });
+        let texture = texture::read_data(reader, &slot, sets)?;
+        material.normal_map = texture.map(|texture| NormalMap::Tangent { texture, scale });
     }
     Ok(())
 }
 
-fn texture_of(reader: &mut Reader, info: Option<&Info>, srgb: bool) -> Result<Option<Texture>, LoadError> {
+fn color_texture(reader: &mut Reader, info: Option<&Info>, sets: Sets) -> Result<Option<Texture>, LoadError> {
     match info {
-        Some(info) => texture::read(reader, &Slot::from(info), srgb),
+        Some(info) => texture::read_color(reader, &Slot::from(info), sets),
         None => Ok(None),
     }
 }
@@ -123,14 +173,22 @@ fn mean(reader: &mut Reader, info: Option<&Info>) -> Result<[f32; 4], LoadError>
 fn metallic(reader: &mut Reader, json: &JsonMaterial, base: [f32; 3]) -> Result<Surface, LoadError> {
     let pbr = &json.pbr_metallic_roughness;
     let [_, roughness, metallic, _] = mean(reader, pbr.metallic_roughness_texture.as_ref())?;
+    let metallic = unit(pbr.metallic_factor.0) * metallic;
     Ok(Surface {
         base,
-        metallic: unit(pbr.metallic_factor.0) * metallic,
+        tint: if metallic > 0.0 { mean_color(reader, pbr.base_color_texture.as_ref())? } else { [1.0; 3] },
+        metallic,
         roughness: unit(pbr.roughness_factor.0) * roughness,
         dielectric: dielectric(reader, json)?,
         transmission: 0.0,
         ior: 1.0,
     })
+}
+
+/// The mean of a picture of colours, linear.
+fn mean_color(reader: &mut Reader, info: Option<&Info>) -> Result<[f32; 3], LoadError> {
+    let [red, green, blue, _] = mean(reader, info)?;
+    Ok([red, green, blue].map(srgb_to_linear))
 }
 
 fn dielectric(reader: &mut Reader, json: &JsonMaterial) -> Result<[f32; 3], LoadError> {
@@ -152,6 +210,7 @@ fn glossy(
     let specular = glossiness.specular_factor.0;
     Ok(Surface {
         base,
+        tint: [1.0; 3],
         metallic: 0.0,
         roughness: 1.0 - unit(glossiness.glossiness_factor.0) * mean[3],
         dielectric: std::array::from_fn(|c| unit(specular[c] * srgb_to_linear(mean[c]))),
@@ -165,9 +224,23 @@ fn transmit(reader: &mut Reader, json: &JsonMaterial, surface: &mut Surface) -> 
     let Some(transmission) = &extensions.transmission else { return Ok(()) };
     let share = mean(reader, transmission.transmission_texture.as_ref())?[0];
     surface.transmission = unit(transmission.transmission_factor.0) * share;
-    let thick = extensions.volume.as_ref().is_some_and(|volume| volume.thickness_factor.0 > 0.0);
-    surface.ior = if thick { refraction(json) } else { 1.0 };
+    surface.ior = if volume(json).is_some() { refraction(json) } else { 1.0 };
     Ok(())
+}
+
+/// What fills the closed surface; thin walls have nothing inside.
+fn volume(json: &JsonMaterial) -> Option<&extension::Volume> {
+    let volume = json.extensions.as_ref()?.volume.as_ref()?;
+    (volume.thickness_factor.0 > 0.0).then_some(volume)
+}
+
+/// Beer's law as KHR_materials_volume writes it: `color^(d / distance)` is left after a length `d`. Black would be
+/// infinite: of it nothing is left that a float can hold.
+fn absorption(json: &JsonMaterial) -> [f32; 3] {
+    let Some(volume) = volume(json) else { return [0.0; 3] };
+    let distance = volume.attenuation_distance.0;
+    let of = |color: f32| at_most(f32::MAX, -unit(color).max(f32::MIN_POSITIVE).ln() / distance);
+    volume.attenuation_color.0.map(of)
 }
 
 /// The index of refraction, 1.5 where the file is silent or senseless.
@@ -182,16 +255,18 @@ fn unlit(material: &mut Material, base: [f32; 3]) {
     material.specular = [0.0; 3];
     material.reflection = [0.0; 3];
     material.transmission = [0.0; 3];
+    material.absorption = [0.0; 3];
     material.fresnel = false;
+    material.metallic = false;
 }
 
-fn emit(reader: &mut Reader, json: &JsonMaterial, material: &mut Material) -> Result<(), LoadError> {
+fn emit(reader: &mut Reader, json: &JsonMaterial, sets: Sets, material: &mut Material) -> Result<(), LoadError> {
     let extensions = json.extensions.as_ref();
     let strength = extensions.and_then(|extensions| extensions.emissive_strength.as_ref());
     let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
     material.emission = json.emissive_factor.0.map(|factor| at_most(f32::MAX, factor * strength));
     if material.emission != [0.0; 3] {
-        material.emission_map = texture_of(reader, json.emissive_texture.as_ref(), true)?;
+        material.emission_map = color_texture(reader, json.emissive_texture.as_ref(), sets)?;
     }
     Ok(())
 }

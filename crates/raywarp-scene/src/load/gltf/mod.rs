@@ -7,26 +7,33 @@
 //! Where glTF and raywarp differ:
 //! - glTF's texture coordinates have v down, raywarp's v up: `v' = 1 - v`, and texture transforms are turned to match.
 //!   Tangents stay as they are: in both, the bitangent points to the top of the picture.
-//! - A mesh has one set of texture coordinates: that of the base colour texture, else of the first texture there is.
-//! - Materials are physically based, raywarp's follow Phong: see [`phong`]. Sidedness is ignored: all surfaces are seen
-//!   from both sides.
+//! - A mesh keeps two sets of texture coordinates: TEXCOORD_0 and 1, or the first two that its material reads.
+//! - Materials are physically based, raywarp's follow Phong: see [`phong`].
 //! - Light intensities are in candela and lux, and `Light::color` is what a surface of reflectance 1 sends back: the
 //!   intensity over pi.
-//! - Skins, morph targets and animations stay in the rest pose.
+//! - Skinned and morphed meshes are read in the pose that the file opens with, and each pose is a mesh of its own, skinned
+//!   ones in world space. Animations are not played.
 
 mod accessor;
+mod attributes;
 mod budget;
 mod buffers;
 mod cameras;
 mod container;
+mod decoded;
+mod draco;
 mod extensions;
 mod instancing;
 mod lights;
 mod material;
+mod mended;
 mod mesh;
+mod meshopt;
 mod nodes;
 mod origin;
 mod phong;
+mod pose;
+mod skin;
 mod texture;
 mod topology;
 mod uri;
@@ -36,12 +43,13 @@ use std::path::Path;
 use std::rc::Rc;
 
 use ::gltf::json::Root;
+use glam::DAffine3;
 
 use self::budget::Budget;
 use self::buffers::Buffers;
 use self::origin::Origin;
 use super::{LoadError, Sources};
-use crate::Scene;
+use crate::{Scene, Transform};
 
 /// Reads a glTF file with the buffers and pictures it names.
 ///
@@ -54,8 +62,9 @@ pub(super) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadErro
     let bytes = sources.bytes(path)?;
     let parts = container::split(origin, &bytes)?;
     let root = container::parse(origin, &parts, sources)?;
-    let buffers = Buffers::load(origin, &root, parts.binary, sources)?;
-    let budget = Budget::new(bytes.len() + buffers.total_bytes());
+    let mut buffers = Buffers::load(origin, &root, parts.binary, sources)?;
+    let mut budget = Budget::new(bytes.len() + buffers.total_bytes());
+    decoded::read(origin, &root, &mut buffers, &mut budget)?;
     let mut reader = Reader {
         origin,
         root: &root,
@@ -68,7 +77,7 @@ pub(super) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadErro
     };
     reader.warn_about_motion()?;
     nodes::read(&mut reader)?;
-    reader.warn_about_numbers()?;
+    reader.warn_about_dropped()?;
     Ok(reader.scene)
 }
 
@@ -84,10 +93,16 @@ struct Reader<'a> {
     scene: Scene,
 }
 
-/// What is left out for numbers that are not finite.
+/// What is left out, by number.
 #[derive(Default)]
 struct Dropped {
+    /// Primitives that are not triangles.
+    points_and_lines: usize,
+    /// Primitives without positions.
+    without_positions: usize,
+    /// With positions that are not finite.
     triangles: usize,
+    /// With placements that are not finite.
     instances: usize,
 }
 
@@ -95,9 +110,14 @@ struct Dropped {
 #[derive(Default)]
 struct Cache {
     geometry: HashMap<mesh::Geometry, usize>,
-    meshes: HashMap<usize, Rc<[mesh::Part]>>,
+    meshes: HashMap<(usize, pose::Pose), Rc<[mesh::Part]>>,
+    skins: HashMap<usize, Rc<[Transform]>>,
+    /// Where each node is in the world, once a skin asks.
+    worlds: Option<Rc<[DAffine3]>>,
     /// `None` is the material of primitives without one.
     materials: HashMap<Option<usize>, material::Known>,
+    /// Materials without the textures that a mesh has no coordinates for, by the scene's own.
+    plain_materials: HashMap<(u32, [bool; 2]), u32>,
     images: HashMap<usize, u32>,
     /// Mean texels of pictures.
     means: HashMap<usize, [f32; 4]>,
@@ -114,8 +134,14 @@ impl Reader<'_> {
         Ok(name.to_owned())
     }
 
-    fn warn_about_numbers(&mut self) -> Result<(), LoadError> {
-        let Dropped { triangles, instances } = self.dropped;
+    fn warn_about_dropped(&mut self) -> Result<(), LoadError> {
+        let Dropped { points_and_lines, without_positions, triangles, instances } = self.dropped;
+        if points_and_lines > 0 {
+            self.warn(format!("{points_and_lines} primitives of points or lines are left out"))?;
+        }
+        if without_positions > 0 {
+            self.warn(format!("{without_positions} primitives without positions are left out"))?;
+        }
         if triangles > 0 {
             self.warn(format!("{triangles} triangles use positions that are not finite and were dropped"))?;
         }
@@ -129,12 +155,6 @@ impl Reader<'_> {
         let count = self.root.animations.len();
         if count > 0 {
             self.warn(format!("{count} animations are not played: the rest pose is shown"))?;
-        }
-        if self.root.meshes.iter().flat_map(|mesh| &mesh.primitives).any(|primitive| primitive.targets.is_some()) {
-            self.warn("morph targets are not applied: the base shape is shown")?;
-        }
-        if self.root.nodes.iter().any(|node| node.skin.is_some()) {
-            self.warn("skins are not applied: skinned meshes stand as modelled")?;
         }
         Ok(())
     }

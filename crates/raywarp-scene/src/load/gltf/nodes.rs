@@ -1,9 +1,13 @@
 //! The node tree: instances, cameras and lights in world space.
 
+use std::rc::Rc;
+
 use ::gltf::json::scene::Node;
+use ::gltf::json::Root;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::super::LoadError;
+use super::pose::Pose;
 use super::{cameras, instancing, lights, mesh, Reader};
 use crate::{Instance, Transform};
 
@@ -45,13 +49,39 @@ fn roots(reader: &Reader) -> Result<Vec<usize>, LoadError> {
         let expected = format!("an index below {}, the number of scenes", root.scenes.len());
         return Err(reader.origin.broken(format!("scene is {index}"), expected));
     }
+    Ok(tops(root))
+}
+
+/// The nodes that are nobody's child.
+fn tops(root: &Root) -> Vec<usize> {
     let mut is_child = vec![false; root.nodes.len()];
     for child in root.nodes.iter().filter_map(|node| node.children.as_ref()).flatten() {
         if let Some(flag) = is_child.get_mut(child.value()) {
             *flag = true;
         }
     }
-    Ok((0..root.nodes.len()).filter(|&node| !is_child[node]).collect())
+    (0..root.nodes.len()).filter(|&node| !is_child[node]).collect()
+}
+
+/// Where every node is in the world, whether the scene shows it or not: joints need not be shown. Nodes that descend
+/// from themselves are nowhere, and stay at the origin.
+pub(super) fn worlds(reader: &mut Reader) -> Result<Rc<[DAffine3]>, LoadError> {
+    if let Some(worlds) = &reader.cache.worlds {
+        return Ok(worlds.clone());
+    }
+    let nodes = &reader.root.nodes;
+    reader.budget.take(reader.origin, nodes.len(), std::mem::size_of::<DAffine3>())?;
+    let mut worlds = vec![None; nodes.len()];
+    let mut stack: Vec<_> = tops(reader.root).into_iter().map(|node| (node, DAffine3::IDENTITY)).collect();
+    while let Some((index, parent)) = stack.pop() {
+        let Some(node) = nodes.get(index).filter(|_| worlds[index].is_none()) else { continue };
+        let world = parent * local(node);
+        worlds[index] = Some(world);
+        stack.extend(node.children.iter().flatten().map(|child| (child.value(), world)));
+    }
+    let worlds: Rc<[_]> = worlds.into_iter().map(Option::unwrap_or_default).collect();
+    reader.cache.worlds = Some(worlds.clone());
+    Ok(worlds)
 }
 
 /// A node's place relative to its parent.
@@ -95,7 +125,8 @@ fn add_instances(
     mesh: usize,
     world: DAffine3,
 ) -> Result<(), LoadError> {
-    let parts = mesh::read(reader, mesh)?;
+    let pose = Pose::of(reader, node, mesh)?;
+    let parts = mesh::read(reader, mesh, pose)?;
     let mesh_name = reader.root.meshes.get(mesh).and_then(|mesh| mesh.name.as_deref());
     let place_in_file = format!("nodes[{index}]");
     let name = node.name.as_deref().or(mesh_name).unwrap_or(&place_in_file);
@@ -103,12 +134,14 @@ fn add_instances(
         Some(placements) => placements.into_iter().map(|placement| world * placement).collect(),
         None => vec![world],
     };
-    for world in placements {
-        let Some(transform) = narrow(world) else {
+    for (place, world) in placements.into_iter().enumerate() {
+        let transform = narrow(world);
+        let is_finite = transform.columns.iter().flatten().chain(&transform.translation).all(|value| value.is_finite());
+        if !is_finite && parts.iter().any(|part| !part.is_placed) {
             reader.dropped.instances += 1;
-            continue;
-        };
-        for part in parts.iter() {
+        }
+        for part in parts.iter().filter(|part| if part.is_placed { place == 0 } else { is_finite }) {
+            let transform = if part.is_placed { Transform::IDENTITY } else { transform };
             reader.budget.take(reader.origin, 1, std::mem::size_of::<Instance>())?;
             let name = reader.copy_name(name)?;
             let own = reader.scene.meshes[part.mesh].materials.first().copied();
@@ -119,10 +152,10 @@ fn add_instances(
     Ok(())
 }
 
-/// In single precision; `None` if it is not finite there.
-fn narrow(world: DAffine3) -> Option<Transform> {
-    let columns = world.matrix3.to_cols_array_2d().map(|column| column.map(|value| value as f32));
-    let translation = world.translation.to_array().map(|value| value as f32);
-    let finite = columns.iter().flatten().chain(&translation).all(|value| value.is_finite());
-    finite.then_some(Transform { columns, translation })
+/// In single precision.
+pub(super) fn narrow(world: DAffine3) -> Transform {
+    Transform {
+        columns: world.matrix3.to_cols_array_2d().map(|column| column.map(|value| value as f32)),
+        translation: world.translation.to_array().map(|value| value as f32),
+    }
 }

@@ -12,7 +12,9 @@
 //!   has no blur. Fresnel's equations apply where there is any.
 //! - Transmission is tinted by the base colour and taken from the diffuse reflectance. It bends rays only in a material
 //!   with a volume; other surfaces are thin walls.
-//! - Absorption in volumes, occlusion and anything rough about transmission is left out.
+//! - What tints the base colour (its texture, colours of vertices) tints the highlight and the mirror of what is more
+//!   metal than not; of what is less, only by the mean of the texture.
+//! - Volumes absorb by Beer's law. Occlusion and anything rough about transmission is left out.
 
 use crate::Material;
 
@@ -20,6 +22,8 @@ use crate::Material;
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
     pub base: [f32; 3],
+    /// Mean of what the base colour is multiplied by from point to point.
+    pub tint: [f32; 3],
     pub metallic: f32,
     pub roughness: f32,
     /// Reflectance at normal incidence of what is no metal.
@@ -33,12 +37,14 @@ impl Surface {
     /// Sets the colours of a material.
     pub fn apply_to(&self, material: &mut Material) {
         let alpha = self.roughness * self.roughness;
-        let reflectance = self.reflectance();
+        let tinted = self.reflectance(self.tint);
+        material.metallic = self.metallic > 0.5;
+        let reflectance = if material.metallic { self.reflectance([1.0; 3]) } else { tinted };
         let opaque = (1.0 - self.transmission) * (1.0 - self.metallic) + self.metallic * alpha;
         material.diffuse = self.base.map(|base| base * opaque);
         material.ambient = material.diffuse;
         material.shininess = (2.0 / (alpha * alpha) - 2.0).clamp(1.0, 2048.0);
-        let brightest = reflectance.into_iter().fold(0.0, f32::max);
+        let brightest = tinted.into_iter().fold(0.0, f32::max);
         let peak = (1.0 / (4.0 * alpha * alpha)).min(1.0 / brightest.max(f32::MIN_POSITIVE));
         material.specular = reflectance.map(|channel| channel * peak);
         let transmitted = self.transmission * (1.0 - self.metallic);
@@ -53,8 +59,8 @@ impl Surface {
         material.ior = self.ior;
     }
 
-    fn reflectance(&self) -> [f32; 3] {
-        std::array::from_fn(|c| self.dielectric[c] + (self.base[c] - self.dielectric[c]) * self.metallic)
+    fn reflectance(&self, tint: [f32; 3]) -> [f32; 3] {
+        std::array::from_fn(|c| self.dielectric[c] + (self.base[c] * tint[c] - self.dielectric[c]) * self.metallic)
     }
 }
 
@@ -83,6 +89,7 @@ mod tests {
 
     const PLASTIC: Surface = Surface {
         base: [0.5, 0.25, 1.0],
+        tint: [1.0; 3],
         metallic: 0.0,
         roughness: 1.0,
         dielectric: [0.04; 3],
@@ -121,6 +128,20 @@ mod tests {
         let material = material(Surface { metallic: 1.0, roughness: 0.0, ..PLASTIC });
         assert_eq!(material.diffuse, [0.0; 3]);
         assert_eq!(material.reflection, [0.5, 0.25, 1.0]);
+    }
+
+    #[test]
+    fn metal_of_a_tint_answers_as_one_of_that_color() {
+        let gold = [1.0, 0.5, 0.25];
+        let metal = |base, tint| material(Surface { base, tint, metallic: 1.0, roughness: 0.3, ..PLASTIC });
+        let (painted, solid) = (metal([1.0; 3], gold), metal(gold, [1.0; 3]));
+        assert!(painted.metallic && solid.metallic);
+        for c in 0..3 {
+            assert_eq!(painted.specular[c] * gold[c], solid.specular[c]);
+            assert_eq!(painted.reflection[c] * gold[c], solid.reflection[c]);
+        }
+        let half = material(Surface { base: [1.0; 3], tint: gold, metallic: 0.5, ..PLASTIC });
+        assert!(!half.metallic && half.specular[0] > half.specular[2], "of half a metal the mean counts");
     }
 
     #[test]

@@ -9,10 +9,11 @@ use ::gltf::json::validation::Checked;
 use super::super::images::{self, Asker};
 use super::super::quote::file_name;
 use super::super::LoadError;
+use super::material::Sets;
 use super::origin::Origin;
 use super::uri::{resolve, Resource};
 use super::Reader;
-use crate::{Filter, Scene, Texture, Wrap};
+use crate::{Filter, Image, Scene, Texture, UvSet, Wrap};
 
 /// A material's use of a texture.
 pub(super) struct Slot {
@@ -48,8 +49,19 @@ impl From<&Info> for Slot {
     }
 }
 
+/// A texture of colours. A picture that is not to be had is replaced by one that shows it.
+pub(super) fn read_color(reader: &mut Reader, slot: &Slot, sets: Sets) -> Result<Option<Texture>, LoadError> {
+    read(reader, slot, sets, true)
+}
+
+/// A texture of numbers, such as normals. `None` also where its picture is not to be had: nothing can stand in for it.
+pub(super) fn read_data(reader: &mut Reader, slot: &Slot, sets: Sets) -> Result<Option<Texture>, LoadError> {
+    let texture = read(reader, slot, sets, false)?;
+    Ok(texture.filter(|texture| !images::is_fallback(&reader.scene.images[texture.image as usize])))
+}
+
 /// The texture of a slot, its picture decoded. `None`, and a warning, where it names no picture.
-pub(super) fn read(reader: &mut Reader, slot: &Slot, srgb: bool) -> Result<Option<Texture>, LoadError> {
+fn read(reader: &mut Reader, slot: &Slot, sets: Sets, srgb: bool) -> Result<Option<Texture>, LoadError> {
     let Some(source) = source(reader, slot)? else { return Ok(None) };
     let image = match reader.cache.images.get(&source) {
         Some(&image) => image,
@@ -61,6 +73,7 @@ pub(super) fn read(reader: &mut Reader, slot: &Slot, srgb: bool) -> Result<Optio
         }
     };
     let mut texture = Texture::new(image, srgb);
+    texture.uv_set = if sets[1] == Some(slot.set) { UvSet::Second } else { UvSet::First };
     if let Some(sampler) = reader.root.textures[slot.texture].sampler {
         let sampler = reader.root.samplers.get(sampler.value()).ok_or_else(|| {
             let read = format!("textures[{}] uses samplers[{sampler}]", slot.texture);
@@ -75,26 +88,37 @@ pub(super) fn read(reader: &mut Reader, slot: &Slot, srgb: bool) -> Result<Optio
     Ok(Some(texture))
 }
 
-/// The mean texel of a slot's picture, as it stands in the file, from 0 to 1; ones where it names no picture.
+/// The mean texel of a slot's picture, as it stands in the file, from 0 to 1; ones where there is none to be had.
 ///
-/// The picture is not kept: only its mean is used.
+/// Only its mean is used: a picture that is not in the scene for another reason is not kept.
 pub(super) fn mean(reader: &mut Reader, slot: &Slot) -> Result<[f32; 4], LoadError> {
     let Some(source) = source(reader, slot)? else { return Ok([1.0; 4]) };
     if let Some(&mean) = reader.cache.means.get(&source) {
         return Ok(mean);
     }
-    let mut scratch = Scene::default();
-    let index = decode(reader, source, &mut scratch)?;
-    let texels = &scratch.images[index as usize].texels;
+    let mean = match reader.cache.images.get(&source) {
+        Some(&index) => mean_texel(&reader.scene.images[index as usize]),
+        None => {
+            let mut scratch = Scene::default();
+            let index = decode(reader, source, &mut scratch)?;
+            mean_texel(&scratch.images[index as usize])
+        }
+    };
+    reader.cache.means.insert(source, mean);
+    Ok(mean)
+}
+
+fn mean_texel(image: &Image) -> [f32; 4] {
+    if images::is_fallback(image) {
+        return [1.0; 4];
+    }
     let mut sums = [0u64; 4];
-    for texel in texels {
+    for texel in &image.texels {
         for (sum, &value) in sums.iter_mut().zip(texel) {
             *sum += u64::from(value);
         }
     }
-    let mean = sums.map(|sum| (sum as f64 / (255.0 * texels.len().max(1) as f64)) as f32);
-    reader.cache.means.insert(source, mean);
-    Ok(mean)
+    sums.map(|sum| (sum as f64 / (255.0 * image.texels.len().max(1) as f64)) as f32)
 }
 
 /// Index of the picture of a slot; WebP where the file has it.
@@ -127,15 +151,25 @@ fn decode(reader: &mut Reader, index: usize, scene: &mut Scene) -> Result<u32, L
     let asker = Asker { path: origin.path, line: None };
     let name = format!("{}#{owner}", origin.path.display());
     match (&image.uri, image.buffer_view) {
-        (Some(uri), _) => match resolve(origin, &owner, uri)? {
-            Resource::File(path) => images::from_file(&path, asker, scene, reader.sources),
-            Resource::Bytes(bytes) => images::from_bytes(&name, &bytes, asker, scene, reader.sources),
+        (Some(uri), _) => match resolve(origin, &owner, uri) {
+            Ok(Resource::File(path)) => images::from_file(&path, asker, scene, reader.sources),
+            Ok(Resource::Bytes(bytes)) => images::from_bytes(&name, &bytes, asker, scene, reader.sources),
+            Err(error) => images::missing(&name, reason(error)?, asker, scene, reader.sources),
         },
         (None, Some(view)) => {
             let bytes = buffers.view(origin, &owner, view)?.bytes;
             images::from_bytes(&name, bytes, asker, scene, reader.sources)
         }
         (None, None) => Err(origin.broken(format!("{owner} has neither uri nor bufferView"), "one of them")),
+    }
+}
+
+/// Why a URI leads to no picture, as a phrase. That is no reason to refuse all the rest.
+fn reason(error: LoadError) -> Result<String, LoadError> {
+    match error {
+        LoadError::Unsupported { what, .. } => Ok(format!("{what} is not supported")),
+        LoadError::Syntax { read, expected, .. } => Ok(format!("{read}; expected {expected}")),
+        other => Err(other),
     }
 }
 

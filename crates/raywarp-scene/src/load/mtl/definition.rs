@@ -44,6 +44,11 @@ impl Definition {
         Self { name, line, ..Self::default() }
     }
 
+    /// Whether `Tr` alone says that there is nothing to see: written by programs that mean the opposite by it.
+    pub fn is_hidden_by_tr(&self) -> bool {
+        self.dissolve.is_none() && self.transparency.is_some_and(|transparency| transparency >= 1.0)
+    }
+
     /// Takes in a statement, by its keyword in lower case. False where that is none of MTL's.
     pub fn statement(
         &mut self,

@@ -14,7 +14,11 @@
 //! | 7       | as 6, by Fresnel's equations                                           |
 //! | 10      | as 2                                                                   |
 //!
-//! `d` below 1 lets `Tf (1 - d)` through where there is transmission, bent by `Ni`; elsewhere it is coverage.
+//! `d` below 1 lets `Tf (1 - d)` through where there is transmission, bent by `Ni`; elsewhere it is coverage. With `d` at
+//! 1 or left out a surface is opaque, whatever `Tf` says, but where `illum` (6, 7) and `Ni` both ask for refraction.
+//!
+//! `Ns` below 1, or left out, weakens the highlight by as much: programs write 0 for none, and Phong's lobe of exponent 0
+//! would cover the half space.
 
 use std::path::Path;
 
@@ -65,17 +69,23 @@ fn values(definition: &Definition) -> Material {
     let diffuse = with_map(definition.diffuse, &definition.diffuse_map, defaults.diffuse);
     let specular = with_map(definition.specular, &definition.specular_map, defaults.specular);
     let opacity = opacity(definition);
+    let shininess = definition.shininess.unwrap_or(defaults.shininess);
+    // 0 is what programs write that do not know.
+    let ior = definition.ior.filter(|&ior| ior > 0.0).unwrap_or(defaults.ior);
     Material {
         name: definition.name.clone(),
         ambient: definition.ambient.unwrap_or(diffuse),
         diffuse,
-        specular: if model.highlight { specular } else { [0.0; 3] },
-        shininess: definition.shininess.unwrap_or(defaults.shininess),
+        specular: if model.highlight { specular.map(|x| x * shininess.min(1.0)) } else { [0.0; 3] },
+        shininess,
         emission: with_map(definition.emission, &definition.emission_map, defaults.emission),
         reflection: if model.mirror { specular } else { [0.0; 3] },
-        transmission: if model.transmits { transmission(definition, opacity) } else { [0.0; 3] },
-        // 0 is what programs write that do not know.
-        ior: definition.ior.filter(|&ior| ior > 0.0).unwrap_or(defaults.ior),
+        transmission: if model.transmits {
+            transmission(definition, opacity, model.refracts && ior != 1.0)
+        } else {
+            [0.0; 3]
+        },
+        ior,
         fresnel: model.fresnel,
         opacity: if model.transmits { 1.0 } else { opacity },
         alpha: if opacity < 1.0 && !model.transmits { AlphaMode::Blend } else { AlphaMode::Opaque },
@@ -90,6 +100,7 @@ struct Model {
     highlight: bool,
     mirror: bool,
     transmits: bool,
+    refracts: bool,
     fresnel: bool,
 }
 
@@ -100,22 +111,26 @@ impl Model {
             highlight: illum >= 2,
             mirror: (3..=9).contains(&illum),
             transmits: matches!(illum, 4 | 6 | 7 | 9),
+            refracts: matches!(illum, 6 | 7),
             fresnel: matches!(illum, 5 | 7),
         }
     }
 }
 
 fn opacity(definition: &Definition) -> f32 {
+    if definition.is_hidden_by_tr() {
+        return 1.0;
+    }
     let opacity = definition.dissolve.or(definition.transparency.map(|transparency| 1.0 - transparency));
     opacity.unwrap_or(1.0).clamp(0.0, 1.0)
 }
 
-/// With `d` at 1 or left out, only a `Tf` that is written lets anything through.
-fn transmission(definition: &Definition, opacity: f32) -> [f32; 3] {
-    if opacity < 1.0 {
-        definition.filter.unwrap_or([1.0; 3]).map(|filter| filter * (1.0 - opacity))
-    } else {
-        definition.filter.unwrap_or([0.0; 3])
+/// What passes a surface that may transmit. Opaque by `d`, it still does where it bends light and has a `Tf`.
+fn transmission(definition: &Definition, opacity: f32, bends: bool) -> [f32; 3] {
+    match definition.filter {
+        filter if opacity < 1.0 => filter.unwrap_or([1.0; 3]).map(|filter| filter * (1.0 - opacity)),
+        Some(filter) if bends => filter,
+        _ => [0.0; 3],
     }
 }
 

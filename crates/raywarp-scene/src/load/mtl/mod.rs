@@ -2,6 +2,8 @@
 //!
 //! A definition is first read as it stands ([`definition`]), then understood ([`meaning`]): its `illum` says which of
 //! its values count, and its maps say whether transparency cuts holes or blends.
+//!
+//! Nothing in a library refuses the geometry that names it: what cannot be read is skipped and counted.
 
 mod definition;
 mod map;
@@ -13,7 +15,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::quote::quote;
-use super::text::{check_encoding, is_keyword, Kind, Statement, Statements, Tally};
+use super::text::{is_keyword, Kind, Statement, Statements, Strays, Tally};
 use super::{LoadError, Sources};
 use crate::Scene;
 use definition::Definition;
@@ -31,7 +33,6 @@ pub(super) fn read(
     scene: &mut Scene,
     sources: &mut Sources,
 ) -> Result<(), LoadError> {
-    check_encoding(path, bytes)?;
     let library = Library::read(path, bytes, sources)?;
     library.warn(path, sources)?;
     for definition in library.definitions {
@@ -60,6 +61,17 @@ struct Library<'a> {
     /// First line of the statements of the physically based extension.
     physical: Option<usize>,
     unknown: Tally<'a>,
+    /// Lines that are no statements.
+    foreign: Strays,
+    faulty: Faulty,
+}
+
+/// Statements whose values cannot be read.
+#[derive(Default)]
+struct Faulty {
+    count: usize,
+    /// Line and reason of the first.
+    first: Option<(usize, String)>,
 }
 
 impl<'a> Library<'a> {
@@ -75,16 +87,18 @@ impl<'a> Library<'a> {
     fn statement(&mut self, path: &Path, statement: &Statement<'a>, sources: &mut Sources) -> Result<(), LoadError> {
         let keyword = statement.keyword.to_ascii_lowercase();
         if !is_keyword(&keyword) {
-            return Err(no_keyword(path, statement));
-        }
-        if keyword == b"newmtl" {
+            self.foreign.count(statement);
+        } else if keyword == b"newmtl" {
             self.definitions.push(Definition::new(statement.text(), statement.line));
         } else if IGNORED.contains(&keyword.as_slice()) {
         } else if PHYSICAL.contains(&keyword.as_slice()) {
             self.physical.get_or_insert(statement.line);
         } else if let Some(definition) = self.definitions.last_mut() {
-            if !definition.statement(path, &keyword, statement, sources)? {
-                self.unknown.count(statement);
+            match definition.statement(path, &keyword, statement, sources) {
+                Ok(true) => {}
+                Ok(false) => self.unknown.count(statement),
+                Err(LoadError::Syntax { read, expected, .. }) => self.faulty.count(statement, &read, &expected),
+                Err(error) => return Err(error),
             }
         } else {
             self.astray.get_or_insert(statement.line);
@@ -96,6 +110,14 @@ impl<'a> Library<'a> {
         if self.astray.is_some() {
             sources.warn(path, self.astray, "statements before the first 'newmtl' are skipped")?;
         }
+        let (is, are) = ("is not a statement of MTL and is skipped", "are not statements of MTL and are skipped");
+        if let Some(message) = self.foreign.message(is, are) {
+            sources.warn(path, Some(self.foreign.line), message)?;
+        }
+        if let Some((line, message)) = self.faulty.message() {
+            sources.warn(path, Some(line), message)?;
+        }
+        self.warn_of_hidden(path, sources)?;
         if self.physical.is_some() {
             let message = "statements of the physically based extension (Pr, Pm, ...) are skipped; Kd, Ks and Ns count";
             sources.warn(path, self.physical, message)?;
@@ -110,6 +132,38 @@ impl<'a> Library<'a> {
     }
 }
 
+impl Library<'_> {
+    fn warn_of_hidden(&self, path: &Path, sources: &mut Sources) -> Result<(), LoadError> {
+        let mut hidden = self.definitions.iter().filter(|definition| definition.is_hidden_by_tr());
+        let Some(first) = hidden.next() else { return Ok(()) };
+        let message = match hidden.count() {
+            0 => format!("the material {} has 'Tr 1' and no 'd'; it is opaque", quote(first.name.as_bytes())),
+            more => format!(
+                "the material {} and {more} more have 'Tr 1' and no 'd'; they are opaque",
+                quote(first.name.as_bytes())
+            ),
+        };
+        sources.warn(path, Some(first.line), message)
+    }
+}
+
+impl Faulty {
+    fn count(&mut self, statement: &Statement, read: &str, expected: &str) {
+        self.first.get_or_insert_with(|| (statement.line, format!("{read}; expected {expected}")));
+        self.count += 1;
+    }
+
+    fn message(&self) -> Option<(usize, String)> {
+        let (line, reason) = self.first.as_ref()?;
+        Some(match self.count {
+            1 => (*line, format!("{reason}: the statement is skipped")),
+            count => {
+                (*line, format!("{reason}: the statement is skipped, and {} more cannot be read either", count - 1))
+            }
+        })
+    }
+}
+
 /// They ask for nothing that a ray tracer would do otherwise.
 const IGNORED: [&[u8]; 2] = [b"map_aat", b"sharpness"];
 
@@ -121,13 +175,6 @@ const PHYSICAL: [&[u8]; 14] = [
 fn unknown(kind: &Kind) -> String {
     let statements = if kind.count == 1 { "statement is" } else { "statements are" };
     format!("{} {} {statements} skipped (not supported)", kind.count, quote(kind.keyword))
-}
-
-fn no_keyword(path: &Path, statement: &Statement) -> LoadError {
-    let field = statement.first();
-    let read = format!("{} is not a statement", field.quoted());
-    let expected = "a keyword such as newmtl, Kd or map_Kd";
-    statement.error(path, Some(field), read, expected, "Check that this is a Wavefront MTL file.")
 }
 
 #[cfg(test)]

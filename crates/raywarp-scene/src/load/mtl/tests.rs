@@ -33,11 +33,6 @@ fn warnings(statements: &str) -> Vec<String> {
     read_library(&format!("newmtl m\n{statements}\n")).unwrap().1
 }
 
-fn error(text: &str) -> String {
-    let text = read_library(text).unwrap_err().to_string();
-    text[text.find("x.mtl").unwrap()..].to_owned()
-}
-
 fn diffuse_map(statement: &str) -> Texture {
     material(statement).diffuse_map.unwrap()
 }
@@ -61,7 +56,7 @@ fn values_are_taken_as_they_are() {
 #[test]
 fn illumination_models() {
     let model = |illum: i32| {
-        let m = material(&format!("Ks 0.2\nTf 0.5\nd 0.25\nillum {illum}"));
+        let m = material(&format!("Ks 0.2\nNs 9\nTf 0.5\nd 0.25\nillum {illum}"));
         (m.unlit, m.specular[0], m.reflection[0], m.transmission[0], m.fresnel, m.opacity)
     };
     let transmitted = 0.5 * 0.75;
@@ -82,12 +77,45 @@ fn illumination_models() {
 }
 
 #[test]
-fn transmission_needs_d_or_tf() {
-    assert_eq!(material("illum 7").transmission, [0.0; 3]);
-    assert_eq!(material("illum 7\nTf 0.3 0.4 0.5").transmission, [0.3, 0.4, 0.5]);
+fn transparency_is_d_and_tf_colours_it() {
     assert_eq!(material("illum 7\nd 0.5").transmission, [0.5; 3]);
-    assert_eq!(material("illum 7\nd 1\nTf 0").transmission, [0.0; 3]);
-    assert_eq!(material("illum 2\nTf 1").transmission, [0.0; 3]);
+    assert_eq!(material("illum 4\nd 0.5\nTf 0.2 0.4 0.6").transmission, [0.1, 0.2, 0.3]);
+    for opaque in ["illum 4\nTf 1\nNi 1.5", "illum 9\nTf 1\nd 1", "illum 7\nTf 1\nNi 1", "illum 7", "illum 2\nTf 1"] {
+        let m = material(opaque);
+        assert_eq!((m.transmission, m.opacity, m.alpha), ([0.0; 3], 1.0, AlphaMode::Opaque), "{opaque}");
+    }
+}
+
+#[test]
+fn what_refracts_transmits_by_tf_alone() {
+    assert_eq!(material("illum 7\nNi 1.5\nTf 0.3 0.4 0.5").transmission, [0.3, 0.4, 0.5]);
+    assert_eq!(material("illum 6\nNi 1.5\nTf 1\nd 1").transmission, [1.0; 3]);
+    assert_eq!(material("illum 7\nNi 1.5\nd 1\nTf 0").transmission, [0.0; 3]);
+}
+
+/// An exponent of 0 would cover the half space with the highlight.
+#[test]
+fn a_shininess_below_one_weakens_the_highlight() {
+    assert_eq!(material("Ks 1\nNs 0").specular, [0.0; 3]);
+    assert_eq!(material("Ks 1").specular, [0.0; 3]);
+    assert_eq!(material("Ks 1\nNs 0.25").specular, [0.25; 3]);
+    assert_eq!(material("Ks 1\nNs 1").specular, [1.0; 3]);
+    assert_eq!(material("Ks 1\nNs 0\nillum 3").reflection, [1.0; 3]);
+}
+
+#[test]
+fn tr_one_without_d_is_opaque() {
+    let (scene, warnings) = read_library("newmtl a\nTr 1\nnewmtl b\nTr 1.0\nnewmtl c\nTr 1\nd 0.5").unwrap();
+    let opacities: Vec<_> = scene.materials.iter().map(|material| material.opacity).collect();
+    assert_eq!(opacities, [1.0, 1.0, 0.5]);
+    assert_eq!(warnings, ["x.mtl:1: the material 'a' and 1 more have 'Tr 1' and no 'd'; they are opaque"]);
+    assert_eq!(warnings_of_one("Tr 1"), "x.mtl:1: the material 'm' has 'Tr 1' and no 'd'; it is opaque");
+}
+
+fn warnings_of_one(statements: &str) -> String {
+    let mut warnings = warnings(statements);
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    warnings.remove(0)
 }
 
 #[test]
@@ -108,7 +136,7 @@ fn colours_of_cie_xyz() {
 
 #[test]
 fn maps_are_srgb_where_they_are_colours() {
-    let m = material("map_Kd grey.png\nmap_Ke leaf.png\nmap_Ks grey.png\nmap_Ka grey.png");
+    let m = material("Ns 9\nmap_Kd grey.png\nmap_Ke leaf.png\nmap_Ks grey.png\nmap_Ka grey.png");
     assert!(m.diffuse_map.unwrap().srgb && m.emission_map.unwrap().srgb && !m.specular_map.unwrap().srgb);
     assert_eq!((m.diffuse, m.emission, m.specular), ([1.0; 3], [1.0; 3], [1.0; 3]));
     assert_eq!(m.diffuse_map.unwrap().image, m.specular_map.unwrap().image);
@@ -215,24 +243,28 @@ fn odd_definitions_are_warnings() {
 }
 
 #[test]
-fn errors_name_the_place() {
+fn what_cannot_be_read_is_skipped_and_counted() {
     assert_eq!(
-        error("newmtl a\nKd 1 x 1"),
-        "x.mtl:2:6: 'x' is not a number; expected a number. Write numbers as 1.5 or -2e-3."
+        warnings_of_one("Kd 1 x 1"),
+        "x.mtl:2: 'x' is not a number; expected a number: the statement is skipped"
     );
     assert_eq!(
-        error("newmtl a\nKd 1 0"),
-        "x.mtl:2:7: 'Kd 1 0' has too few numbers; expected 1 or 3 numbers. Complete or remove the line."
+        warnings_of_one("map_Kd -mm 1"),
+        "x.mtl:2: 'map_Kd -mm 1' ends in an option; expected its value: the statement is skipped"
     );
     assert_eq!(
-        error("newmtl a\nmap_Kd -mm 1"),
-        "x.mtl:2:13: 'map_Kd -mm 1' ends in an option; expected its value. Complete or remove the option."
+        warnings_of_one("Ks 1 0\nNs x\nd\nillum two"),
+        "x.mtl:2: 'Ks 1 0' has too few numbers; expected 1 or 3 numbers: the statement is skipped, and 3 more cannot be \
+         read either"
     );
-    assert_eq!(
-        error("\x01\x02\x03"),
-        "x.mtl:1:1: '\\u{1}\\u{2}\\u{3}' is not a statement; expected a keyword such as newmtl, Kd or map_Kd. Check \
-         that this is a Wavefront MTL file."
-    );
+}
+
+#[test]
+fn lines_that_are_no_statements_are_skipped_and_counted() {
+    let (scene, warnings) = read_library("\x01\x02\nnewmtl a\nKd 1 0 0\n-----\n0.5 0.5\nKs 1\nNs 5\x1a").unwrap();
+    assert_eq!((scene.materials[0].diffuse, scene.materials[0].specular), ([1.0, 0.0, 0.0], [1.0; 3]));
+    assert_eq!(warnings, ["x.mtl:1: 3 lines are not statements of MTL and are skipped; the first is '\\u{1}\\u{2}'"]);
+    assert_eq!(warnings_of_one("-----"), "x.mtl:2: 1 line is not a statement of MTL and is skipped: '-----'");
 }
 
 proptest::proptest! {

@@ -14,6 +14,13 @@ pub(super) struct Corner {
     pub normal: Option<u32>,
 }
 
+/// What a corner names and the file lacks. Of a position that is an error; without the others there is still a surface.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Lacking {
+    pub uv: bool,
+    pub normal: bool,
+}
+
 /// How many points of each kind stand before a face: negative indices count from there.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Seen {
@@ -30,16 +37,16 @@ pub(super) struct Context<'a> {
 }
 
 impl Context<'_> {
-    /// Reads one field of a face.
+    /// Reads one field of a face, and adds to what is lacking.
     #[inline]
-    pub fn corner(&self, statement: &Statement, field: Field) -> Result<Corner, LoadError> {
+    pub fn corner(&self, statement: &Statement, field: Field, lacking: &mut Lacking) -> Result<Corner, LoadError> {
         let mut parts = field.bytes.split(|&byte| byte == b'/');
         let [position, uv, normal] = [parts.next(), parts.next(), parts.next()].map(Option::unwrap_or_default);
         let indices = (|| {
             Some(Corner {
                 position: index(position, self.points.positions.len(), self.seen.positions)?,
-                uv: optional(uv, self.points.uvs.len(), self.seen.uvs)?,
-                normal: optional(normal, self.points.normals.len(), self.seen.normals)?,
+                uv: optional(uv, self.points.uvs.len(), self.seen.uvs, &mut lacking.uv)?,
+                normal: optional(normal, self.points.normals.len(), self.seen.normals, &mut lacking.normal)?,
             })
         })();
         match indices {
@@ -51,25 +58,12 @@ impl Context<'_> {
     /// Why a corner could not be read: the slow way, which only errors take.
     #[cold]
     fn explain(&self, statement: &Statement, field: Field) -> LoadError {
-        let parts: Vec<_> = field.bytes.split(|&byte| byte == b'/').collect();
-        let kinds = [
-            ("vertex", "v", self.points.positions.len(), self.seen.positions),
-            ("texture coordinate", "vt", self.points.uvs.len(), self.seen.uvs),
-            ("normal", "vn", self.points.normals.len(), self.seen.normals),
-        ];
-        for (position, (part, (kind, keyword, total, seen))) in parts.iter().zip(kinds).enumerate() {
-            let may_be_empty = position > 0;
-            let Some(number) = parse_integer(part) else {
-                if part.is_empty() && may_be_empty {
-                    continue;
-                }
-                break;
-            };
-            if resolve(number, total, seen).is_none() {
-                let read = format!("{} names {kind} {number}", field.quoted());
-                let expected = expected_range(keyword, total, seen);
-                return statement.error(self.path, Some(field), read, &expected, "Check that the file is complete.");
-            }
+        let position = field.bytes.split(|&byte| byte == b'/').next().unwrap_or_default();
+        let (total, seen) = (self.points.positions.len(), self.seen.positions);
+        if let Some(number) = parse_integer(position).filter(|&number| resolve(number, total, seen).is_none()) {
+            let read = format!("{} names vertex {number}", field.quoted());
+            let expected = expected_range(total, seen);
+            return statement.error(self.path, Some(field), read, &expected, "Check that the file is complete.");
         }
         let read = format!("{} is not a corner of a face", field.quoted());
         const HELP: &str = "Indices are whole numbers, from 1, or below 0 to count backwards.";
@@ -77,21 +71,23 @@ impl Context<'_> {
     }
 }
 
-fn expected_range(keyword: &str, total: usize, seen: usize) -> String {
+fn expected_range(total: usize, seen: usize) -> String {
     match (total, seen) {
-        (0, _) => format!("none, as the file has no '{keyword}'"),
-        (_, 0) => format!("1 to {total}, as the file has {total} '{keyword}', none of them before this line"),
-        _ => format!("1 to {total} or -{seen} to -1, as the file has {total} '{keyword}', {seen} before this line"),
+        (0, _) => "none, as the file has no 'v'".to_owned(),
+        (_, 0) => format!("1 to {total}, as the file has {total} 'v', none of them before this line"),
+        _ => format!("1 to {total} or -{seen} to -1, as the file has {total} 'v', {seen} before this line"),
     }
 }
 
-/// An index that may be left out.
+/// An index that may be left out, or name what is not there. `None` for what is no index.
 #[inline]
-fn optional(text: &[u8], total: usize, seen: usize) -> Option<Option<u32>> {
+fn optional(text: &[u8], total: usize, seen: usize, lacking: &mut bool) -> Option<Option<u32>> {
     if text.is_empty() {
         return Some(None);
     }
-    index(text, total, seen).map(Some)
+    let index = resolve(parse_integer(text)?, total, seen);
+    *lacking |= index.is_none();
+    Some(index)
 }
 
 #[inline]

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use super::super::triangulate::Triangulator;
-use super::corner::{Context, Corner, Seen};
+use super::corner::{Context, Corner, Lacking, Seen};
 use super::materials::Materials;
 use super::meshes::Meshes;
 use crate::load::quote::quote;
-use crate::load::text::{is_keyword, parse_integer, Kind, Statement, Statements, Tally};
+use crate::load::text::{is_keyword, parse_integer, Kind, Statement, Statements, Strays, Tally};
 use crate::load::{LoadError, Sources};
 use crate::{Mesh, Scene};
 
@@ -24,7 +24,14 @@ pub(super) struct Elements<'a> {
     faces: usize,
     not_finite: usize,
     repeated: usize,
+    /// Faces of fewer than three corners.
+    too_few_corners: Strays,
+    /// Faces that name texture coordinates, and normals, which the file lacks.
+    without_uvs: Strays,
+    without_normals: Strays,
     skipped: Tally<'a>,
+    /// Lines that are no statements.
+    foreign: Strays,
     /// Scratch space of a face.
     corners: Vec<Corner>,
     polygon: Vec<[f32; 3]>,
@@ -44,7 +51,11 @@ impl<'a> Elements<'a> {
             faces: 0,
             not_finite: 0,
             repeated: 0,
+            too_few_corners: Strays::default(),
+            without_uvs: Strays::default(),
+            without_normals: Strays::default(),
             skipped: Tally::default(),
+            foreign: Strays::default(),
             corners: Vec::new(),
             polygon: Vec::new(),
         };
@@ -68,7 +79,9 @@ impl<'a> Elements<'a> {
             // How to show or refine what has no triangles: nothing is lost.
             b"bevel" | b"c_interp" | b"d_interp" | b"lod" | b"mg" | b"shadow_obj" | b"trace_obj" => {}
             keyword if is_keyword(keyword) => self.skipped.count(statement),
-            _ => return Err(self.no_keyword(statement)),
+            // Among statements it is a line of another program; where there is no vertex, it is another kind of file.
+            _ if self.meshes.points.positions.is_empty() => return Err(self.no_keyword(statement)),
+            _ => self.foreign.count(statement),
         }
         Ok(())
     }
@@ -76,16 +89,23 @@ impl<'a> Elements<'a> {
     /// `f` and three or more corners.
     fn face(&mut self, statement: &Statement) -> Result<(), LoadError> {
         let context = Context { path: self.path, points: self.meshes.points, seen: self.seen };
+        let mut lacking = Lacking::default();
         self.corners.clear();
         for field in statement.fields() {
-            self.corners.push(context.corner(statement, field)?);
+            self.corners.push(context.corner(statement, field, &mut lacking)?);
         }
+        if lacking.uv {
+            self.without_uvs.count(statement);
+        }
+        if lacking.normal {
+            self.without_normals.count(statement);
+        }
+        self.faces += usize::from(self.corners.len() >= 3);
         match self.corners[..] {
             [a, b, c] => self.triangle([a, b, c]),
             [_, _, _, ..] => self.polygon(),
-            _ => return Err(self.too_few_corners(statement)),
+            _ => self.too_few_corners.count(statement),
         }
-        self.faces += 1;
         Ok(())
     }
 
@@ -93,7 +113,9 @@ impl<'a> Elements<'a> {
         let positions = &self.meshes.points.positions;
         self.polygon.clear();
         self.polygon.extend(self.corners.iter().map(|corner| positions[corner.position as usize]));
-        for index in 0..self.triangulator.cut(&self.polygon).len() {
+        let triangles = self.triangulator.cut(&self.polygon).len();
+        self.repeated += usize::from(triangles == 0);
+        for index in 0..triangles {
             let triangle = self.triangulator.triangle(index);
             self.triangle(triangle.map(|corner| self.corners[corner as usize]));
         }
@@ -128,12 +150,6 @@ impl<'a> Elements<'a> {
         })
     }
 
-    fn too_few_corners(&self, statement: &Statement) -> LoadError {
-        let count = self.corners.len();
-        let read = format!("{} has {count} {}", statement.quoted(), if count == 1 { "vertex" } else { "vertices" });
-        statement.error(self.path, None, read, "at least 3", "Remove the face; lines are written as 'l'.")
-    }
-
     fn no_keyword(&self, statement: &Statement) -> LoadError {
         let field = statement.first();
         let read = format!("{} is not a statement", field.quoted());
@@ -146,6 +162,11 @@ impl<'a> Elements<'a> {
         for kind in &self.skipped.kinds {
             sources.warn(path, Some(kind.line), skipped(kind))?;
         }
+        for (lines, is, are) in self.lines() {
+            if let Some(message) = lines.message(is, are) {
+                sources.warn(path, Some(lines.line), message)?;
+            }
+        }
         let counts = [
             (self.skipped.more, "statements of more unknown kinds are skipped"),
             (self.not_finite, "triangles have a vertex that is not finite and are dropped"),
@@ -157,9 +178,31 @@ impl<'a> Elements<'a> {
             sources.warn(path, None, format!("{count} {what}"))?;
         }
         if self.faces == 0 {
-            sources.warn(path, None, "the file has no faces; the scene has no triangles from it")?;
+            sources.warn(path, None, "the file has no faces: raywarp shows triangles, not points or lines")?;
         }
         Ok(())
+    }
+
+    /// Lines that are not read as they stand, and what becomes of one and of several.
+    fn lines(&self) -> [(&Strays, &'static str, &'static str); 4] {
+        [
+            (&self.foreign, "is not a statement of OBJ and is skipped", "are not statements of OBJ and are skipped"),
+            (
+                &self.too_few_corners,
+                "is a face of fewer than 3 corners and is dropped",
+                "are faces of fewer than 3 corners and are dropped",
+            ),
+            (
+                &self.without_uvs,
+                "names texture coordinates that the file lacks; they are left out",
+                "name texture coordinates that the file lacks; they are left out",
+            ),
+            (
+                &self.without_normals,
+                "names normals that the file lacks; they are left out",
+                "name normals that the file lacks; they are left out",
+            ),
+        ]
     }
 
     /// The meshes, and in the scene the default material if they use it.

@@ -1,9 +1,10 @@
 //! Which material `usemtl` means.
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::load::quote::{file_name, quote};
+use crate::load::text::check_encoding;
 use crate::load::{mtl, LoadError, Sources};
 use crate::{Material, Scene};
 
@@ -43,8 +44,9 @@ impl Materials {
             if !read.insert(name) {
                 continue;
             }
-            let library = mtl::beside(path, name);
-            match sources.bytes(&library) {
+            let library = library(path, name, sources);
+            let bytes = sources.bytes(&library).and_then(|bytes| check_encoding(&library, &bytes).map(|()| bytes));
+            match bytes {
                 Ok(bytes) => mtl::read(&library, &bytes, &mut by_name, scene, sources)?,
                 Err(error) => {
                     libraries = Libraries::Incomplete;
@@ -113,9 +115,20 @@ impl Materials {
     }
 }
 
+/// A library's file. Quotes around a name are part of it only where there is such a file.
+fn library(path: &Path, name: &str, sources: &Sources) -> PathBuf {
+    let unquoted = name.strip_prefix('"').and_then(|name| name.strip_suffix('"'));
+    let literal = mtl::beside(path, name);
+    match unquoted {
+        Some(unquoted) if !sources.has(&literal) => mtl::beside(path, unquoted),
+        _ => literal,
+    }
+}
+
 fn unreadable(name: &str, error: &LoadError) -> String {
     let reason = match error {
         LoadError::Io { source, .. } => source.to_string(),
+        LoadError::Syntax { read, expected, .. } => format!("{read}; expected {expected}"),
         _ => "it is not a file".to_owned(),
     };
     format!(

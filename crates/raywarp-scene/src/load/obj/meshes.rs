@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use super::corner::Corner;
-use super::hash::FoldState;
 use super::points::Points;
+use crate::load::hash::FoldState;
 use crate::normals::NormalSums;
 use crate::Mesh;
 
@@ -194,8 +194,7 @@ impl Builder {
         };
         push_optional(&mut mesh.normals, index, given, [0.0; 3]);
         if !points.colors.is_empty() {
-            let [r, g, b] = points.colors.get(corner.position as usize).copied().unwrap_or([1.0; 3]);
-            mesh.colors.push([r, g, b, 1.0]);
+            mesh.colors.push(points.colors.get(corner.position as usize).copied().unwrap_or([1.0; 4]));
         }
         if let Normal::Smooth(class) = normal {
             push_optional(&mut self.classes, index, Some(class), NormalSums::NONE);

@@ -5,11 +5,10 @@
 //!
 //! Two passes: the first collects all points, so that faces may come before the points they name; the second cuts the
 //! faces into triangles and puts them into one mesh for each object or group name. Free-form curves and surfaces, lines
-//! and points are skipped and counted.
+//! and points are skipped and counted, and so are lines that are no statements of OBJ, as long as there are vertices.
 
 mod corner;
 mod elements;
-mod hash;
 mod materials;
 mod meshes;
 mod points;
@@ -18,7 +17,7 @@ use std::path::Path;
 
 use super::text::check_encoding;
 use super::{LoadError, Place, Sources};
-use crate::{Instance, Mesh, Scene, Transform};
+use crate::{AlphaMode, Instance, Material, Mesh, Scene, Transform};
 use elements::Elements;
 use materials::Materials;
 use meshes::Meshes;
@@ -43,8 +42,24 @@ pub(super) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadErro
     let elements = Elements::read(path, &bytes, meshes, materials)?;
     elements.warn(path, sources)?;
     let meshes = elements.finish(path, &mut scene, sources)?;
+    blend_where_translucent(&meshes, &mut scene.materials);
     place(meshes, &mut scene);
     Ok(scene)
+}
+
+/// MTL does not know of vertex colours: where their alpha covers in part, the material has to let what lies behind through.
+fn blend_where_translucent(meshes: &[Mesh], materials: &mut [Material]) {
+    for mesh in meshes {
+        let is_translucent = |vertex: &u32| mesh.colors.get(*vertex as usize).is_some_and(|color| color[3] < 1.0);
+        for (triangle, &material) in mesh.triangles.iter().zip(&mesh.materials) {
+            let alpha = materials.get_mut(material as usize).map(|material| &mut material.alpha);
+            if let Some(alpha) =
+                alpha.filter(|alpha| **alpha == AlphaMode::Opaque && triangle.iter().any(is_translucent))
+            {
+                *alpha = AlphaMode::Blend;
+            }
+        }
+    }
 }
 
 /// OBJ has no instances: each mesh is where it is, once.

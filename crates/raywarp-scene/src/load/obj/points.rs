@@ -2,17 +2,20 @@
 
 use std::path::Path;
 
-use crate::load::text::{parse_f32, Statement, Statements};
+use crate::load::colors::{decoded, ChannelRange};
+use crate::load::precision::Rounding;
+use crate::load::repair::unit_or_zero;
+use crate::load::text::{parse_f64, Statement, Statements, Strays};
 use crate::load::{LoadError, Sources};
-use crate::srgb::srgb_to_linear;
 
 /// The points of a file, in its order, and the material libraries it names.
 #[derive(Default)]
 pub(super) struct Points {
     /// `v`: may be infinite or NaN.
     pub positions: Vec<[f32; 3]>,
-    /// Linear colours of `positions`; empty where no vertex has one, white or left out at the end where only some have.
-    pub colors: Vec<[f32; 3]>,
+    /// Linear colours of `positions` with alpha; empty where no vertex has one, white or left out at the end where only
+    /// some have.
+    pub colors: Vec<[f32; 4]>,
     /// `vt`, all finite.
     pub uvs: Vec<[f32; 2]>,
     /// `vn`: unit vectors, or zero for those without a direction.
@@ -21,6 +24,11 @@ pub(super) struct Points {
     pub libraries: Vec<(usize, String)>,
     odd_uvs: usize,
     odd_normals: usize,
+    /// `v` with numbers that mean nothing.
+    odd_counts: Strays,
+    /// Colours with a channel that is cut off at 1.
+    bright_colors: usize,
+    rounding: Rounding,
 }
 
 impl Points {
@@ -36,11 +44,24 @@ impl Points {
                 _ => {}
             }
         }
+        points.finish_colors();
         Ok(points)
     }
 
     /// Reports what was replaced.
     pub fn warn(&self, path: &Path, sources: &mut Sources) -> Result<(), LoadError> {
+        self.rounding.tell(path, self.positions.iter().copied(), sources);
+        let (is, are) = (
+            "has more numbers than 'v x y z' has a meaning for; the first 3 count",
+            "have more numbers than 'v x y z' has a meaning for; the first 3 count",
+        );
+        if let Some(message) = self.odd_counts.message(is, are) {
+            sources.warn(path, Some(self.odd_counts.line), message)?;
+        }
+        if self.bright_colors > 0 {
+            let message = format!("{} vertex colours are brighter than 1 and are cut off there", self.bright_colors);
+            sources.warn(path, None, message)?;
+        }
         if self.odd_uvs > 0 {
             let message = format!("{} 'vt' are not finite; 0 stands in for them", self.odd_uvs);
             sources.warn(path, None, message)?;
@@ -52,22 +73,42 @@ impl Points {
         Ok(())
     }
 
-    /// `v x y z [w] [r g b]`. The weight serves rational curves alone.
+    /// `v x y z [w]` or `v x y z r g b [a]`. The weight serves rational curves alone.
     fn position(&mut self, path: &Path, statement: &Statement) -> Result<(), LoadError> {
-        const EXPECTED: &str = "'v x y z', then perhaps a weight, then perhaps 'r g b'";
+        const EXPECTED: &str = "'v x y z', then perhaps a weight, or 'r g b' and perhaps 'a'";
         let (numbers, count) = numbers::<7>(path, statement, EXPECTED)?;
-        let color = match count {
-            3 | 4 => None,
-            6 => Some([numbers[3], numbers[4], numbers[5]]),
-            7 => Some([numbers[4], numbers[5], numbers[6]]),
-            _ => return Err(wrong_count(path, statement, count, EXPECTED)),
-        };
-        if let Some(color) = color {
-            self.colors.resize(self.positions.len(), WHITE);
-            self.colors.push(linear(color));
+        if count < 3 {
+            return Err(wrong_count(path, statement, count, EXPECTED));
         }
-        self.positions.push([numbers[0], numbers[1], numbers[2]]);
+        let [x, y, z, r, g, b, a] = numbers;
+        match count {
+            3 | 4 => {}
+            6 => self.color([r, g, b, f64::NAN]),
+            7 => self.color([r, g, b, a]),
+            _ => self.odd_counts.count(statement),
+        }
+        self.positions.push([x, y, z].map(|x| self.rounding.round(x)));
         Ok(())
+    }
+
+    /// The colour of the position that comes next, as it is written.
+    fn color(&mut self, color: [f64; 4]) {
+        self.colors.resize(self.positions.len(), NO_COLOR);
+        self.colors.push(color.map(|channel| channel as f32));
+    }
+
+    /// Programs write vertex colours as they show them, in sRGB. A colour that is not finite is white, and no alpha is 1.
+    fn finish_colors(&mut self) {
+        let channels = |colors: &[[f32; 4]]| ChannelRange::of(colors.iter().flat_map(|&[r, g, b, _]| [r, g, b]));
+        let range = channels(&self.colors);
+        let alphas = ChannelRange::of(self.colors.iter().map(|color| color[3]));
+        for color in &mut self.colors {
+            let [r, g, b, a] = *color;
+            let finite = [r, g, b].iter().all(|channel| channel.is_finite());
+            self.bright_colors += usize::from(finite && [r, g, b].iter().any(|&channel| range.cuts(channel)));
+            let [r, g, b] = if finite { [r, g, b].map(|channel| decoded(range.unit(channel))) } else { [1.0; 3] };
+            *color = [r, g, b, if a.is_finite() { alphas.unit(a) } else { 1.0 }];
+        }
     }
 
     /// `vt u [v] [w]`.
@@ -77,6 +118,7 @@ impl Points {
         if count == 0 {
             return Err(wrong_count(path, statement, count, EXPECTED));
         }
+        let numbers = numbers.map(|x| x as f32);
         let finite = numbers.iter().all(|x| x.is_finite());
         self.odd_uvs += usize::from(!finite);
         self.uvs.push(if finite { numbers } else { [0.0; 2] });
@@ -90,18 +132,22 @@ impl Points {
         if count < 3 {
             return Err(wrong_count(path, statement, count, EXPECTED));
         }
-        self.odd_normals += usize::from(!numbers.iter().all(|x| x.is_finite()));
-        self.normals.push(unit(numbers));
+        let normal = numbers.map(|x| x as f32);
+        self.odd_normals += usize::from(!normal.iter().all(|x| x.is_finite()));
+        self.normals.push(unit_or_zero(normal));
         Ok(())
     }
 
-    /// `mtllib a.mtl b.mtl`, and names with blanks: a name ends with `.mtl`, or else at a blank.
+    /// `mtllib a.mtl b.mtl`, and names with blanks: a name ends with `.mtl`, or else at a blank. Quotes stay, as they may
+    /// be part of a name.
     fn library(&mut self, statement: &Statement) {
         let mut start = None;
         for field in statement.fields() {
             let from = *start.get_or_insert(field.offset);
-            if field.bytes.to_ascii_lowercase().ends_with(b".mtl") {
-                self.libraries.push((statement.line, statement.text_from(from, field.end())));
+            let name = statement.text_from(from, field.end());
+            let is_quoted = name.len() > 1 && name.starts_with('"') && name.ends_with('"');
+            if is_quoted || field.bytes.to_ascii_lowercase().ends_with(b".mtl") {
+                self.libraries.push((statement.line, name));
                 start = None;
             }
         }
@@ -111,15 +157,16 @@ impl Points {
     }
 }
 
-const WHITE: [f32; 3] = [1.0; 3];
+/// Stands for the colours of vertices that have none.
+const NO_COLOR: [f32; 4] = [f32::NAN; 4];
 
 /// The first `N` numbers of a statement, 0 where there are fewer, and how many there are.
 #[inline]
-fn numbers<const N: usize>(path: &Path, statement: &Statement, expected: &str) -> Result<([f32; N], usize), LoadError> {
+fn numbers<const N: usize>(path: &Path, statement: &Statement, expected: &str) -> Result<([f64; N], usize), LoadError> {
     let mut numbers = [0.0; N];
     let mut count = 0;
     for field in statement.fields() {
-        let number = parse_f32(field.bytes).ok_or_else(|| {
+        let number = parse_f64(field.bytes).ok_or_else(|| {
             let read = format!("{} is not a number", field.quoted());
             statement.error(path, Some(field), read, expected, "Write numbers as 1.5 or -2e-3.")
         })?;
@@ -134,23 +181,4 @@ fn numbers<const N: usize>(path: &Path, statement: &Statement, expected: &str) -
 fn wrong_count(path: &Path, statement: &Statement, count: usize, expected: &str) -> LoadError {
     let read = format!("{} has {count} {}", statement.quoted(), if count == 1 { "number" } else { "numbers" });
     statement.error(path, None, read, expected, "Complete the line, or export the file again.")
-}
-
-/// A direction as a unit vector, zero for none.
-fn unit(vector: [f32; 3]) -> [f32; 3] {
-    let [x, y, z] = vector.map(f64::from);
-    let length = (x * x + y * y + z * z).sqrt();
-    if length > 0.0 && length.is_finite() {
-        [x, y, z].map(|x| (x / length) as f32)
-    } else {
-        [0.0; 3]
-    }
-}
-
-/// Programs write vertex colours as they show them, in sRGB. A colour that is not finite is white.
-fn linear(color: [f32; 3]) -> [f32; 3] {
-    if !color.iter().all(|x| x.is_finite()) {
-        return WHITE;
-    }
-    color.map(|x| srgb_to_linear(x.max(0.0)))
 }

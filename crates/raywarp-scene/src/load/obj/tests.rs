@@ -117,11 +117,124 @@ fn vertices_are_unified() {
 }
 
 #[test]
-fn vertex_colours_are_srgb_with_or_without_a_weight() {
-    let mesh = mesh("v 0 0 0 1 0 0\nv 1 0 0 1 0.5 0.5 0.5\nv 0 1 0 1\nf 1 2 3");
+fn vertex_colours_are_srgb_and_may_have_an_alpha() {
+    let scene = scene("v 0 0 0 1 0 0\nv 1 0 0 0.5 0.5 0.5 0.25\nv 0 1 0 1\nf 1 2 3");
+    let mesh = &scene.meshes[0];
     assert_eq!(mesh.colors[0], [1.0, 0.0, 0.0, 1.0]);
-    assert!((mesh.colors[1][0] - 0.214).abs() < 1e-3, "{:?}", mesh.colors[1]);
+    assert!((mesh.colors[1][0] - 0.214).abs() < 1e-3 && mesh.colors[1][3] == 0.25, "{:?}", mesh.colors[1]);
     assert_eq!(mesh.colors[2], [1.0; 4]);
+    assert_eq!(scene.materials[0].alpha, AlphaMode::Blend);
+    let opaque = self::scene("v 0 0 0 1 0 0 1\nv 1 0 0 1 0 0 1\nv 0 1 0 1 0 0 1\nf 1 2 3");
+    assert_eq!((opaque.meshes[0].colors[0], opaque.materials[0].alpha), ([1.0, 0.0, 0.0, 1.0], AlphaMode::Opaque));
+}
+
+#[test]
+fn vertex_colours_may_count_to_255() {
+    let mesh = mesh("v 0 0 0 255 0 0\nv 1 0 0 0 188 0\nv 0 1 0 0 0 0 51\nf 1 2 3");
+    assert_eq!(mesh.colors[0], [1.0, 0.0, 0.0, 1.0]);
+    assert!((mesh.colors[1][1] - 0.5029).abs() < 1e-3, "{:?}", mesh.colors[1]);
+    assert_eq!(mesh.colors[2], [0.0, 0.0, 0.0, 0.2]);
+}
+
+#[test]
+fn vertex_colours_end_at_white() {
+    let (scene, warnings) = load("v 0 0 0 1.5 0.5 0\nv 1 0 0 1 0 0\nv 0 1 0 nan 0 0\nf 1 2 3");
+    assert_eq!((scene.meshes[0].colors[0][0], scene.meshes[0].colors[2]), (1.0, [1.0; 4]));
+    assert_eq!(warnings, ["a.obj: 1 vertex colours are brighter than 1 and are cut off there"]);
+}
+
+#[test]
+fn of_other_numbers_the_first_three_count() {
+    let (scene, warnings) = load("v 0 0 0 0.5 0.5\nv 1 0 0 1 2 3 4 5 6\nv 0 1 0\nf 1 2 3");
+    assert_eq!(corners(&scene.meshes[0]), [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]]);
+    assert!(scene.meshes[0].colors.is_empty());
+    assert_eq!(
+        warnings,
+        ["a.obj:1: 2 lines have more numbers than 'v x y z' has a meaning for; the first 3 count; the first is \
+          'v 0 0 0 0.5 0.5'"]
+    );
+}
+
+#[test]
+fn faces_may_name_normals_and_texture_coordinates_that_are_not_there() {
+    let (scene, warnings) = load(&format!("{SQUARE}f 1//1 2//2 3//3\nvt 0 0\nf 1/1/1 3/2 4/0"));
+    let mesh = &scene.meshes[0];
+    assert_eq!((mesh.triangles.len(), mesh.normals.len(), &mesh.uvs[..]), (2, 0, &[[0.0; 2]; 5][..]));
+    assert_eq!(
+        warnings,
+        [
+            "a.obj:7: 1 line names texture coordinates that the file lacks; they are left out: 'f 1/1/1 3/2 4/0'",
+            "a.obj:5: 2 lines name normals that the file lacks; they are left out; the first is 'f 1//1 2//2 3//3'",
+        ]
+    );
+}
+
+#[test]
+fn faces_of_fewer_than_three_corners_are_dropped_and_counted() {
+    let (scene, warnings) = load(&format!("{TRIANGLE}f 1 2\nf 1 2 3\nf\nf 3"));
+    assert_eq!(scene.meshes[0].triangles, [[0, 1, 2]]);
+    assert_eq!(warnings, ["a.obj:4: 3 lines are faces of fewer than 3 corners and are dropped; the first is 'f 1 2'"]);
+}
+
+#[test]
+fn lines_of_another_program_are_skipped_and_counted() {
+    let (scene, warnings) = load(&format!("$ a foreign line\n{TRIANGLE}----\nf 1 2 3\n\u{1b}[0m"));
+    assert_eq!(scene.meshes[0].triangles.len(), 1);
+    assert_eq!(
+        warnings,
+        ["a.obj:1: 3 lines are not statements of OBJ and are skipped; the first is '$ a foreign line'"]
+    );
+}
+
+#[test]
+fn ctrl_z_ends_the_file() {
+    for end in ["\u{1a}", "\n\u{1a}\n", "\0\0"] {
+        assert_eq!(mesh(&format!("{TRIANGLE}f 1 2 3{end}")).triangles, [[0, 1, 2]], "{end:?}");
+    }
+}
+
+#[test]
+fn corners_that_repeat_do_not_spoil_a_polygon() {
+    let dart = mesh("v 0.5 1 0\nv 0 0 0\nv 0 0 0\nv 2 1 0\nv 0 2 0\nv 0 2 0\nf 1 2 3 4 5 6");
+    let area = |[a, b, c]: [[f32; 3]; 3]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    let areas: Vec<_> = corners(&dart).into_iter().map(area).collect();
+    assert_eq!((areas.len(), areas.iter().sum::<f32>()), (2, 3.0), "{areas:?}");
+    assert!(areas.iter().all(|&area| area > 0.0));
+}
+
+#[test]
+fn names_of_libraries_may_be_in_quotes() {
+    let obj = |name: &str| format!("mtllib {name}\n{TRIANGLE}usemtl red\nf 1 2 3");
+    let red: &[u8] = b"newmtl red\nKd 1 0 0";
+    for (written, name) in [("\"my red.mtl\"", "my red.mtl"), ("\"red\"", "red"), ("\"red.mtl\"", "\"red.mtl\"")] {
+        let (scene, warnings) = Files::new(&[("a.obj", obj(written).as_bytes()), (name, red)]).read().unwrap();
+        assert_eq!((scene.materials[0].diffuse, warnings.len()), ([1.0, 0.0, 0.0], 0), "{written}");
+    }
+}
+
+#[test]
+fn a_library_of_another_encoding_does_not_refuse_the_geometry() {
+    let utf_16: Vec<u8> = "\u{feff}newmtl a".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let obj = format!("mtllib a.mtl\n{TRIANGLE}usemtl a\nf 1 2 3");
+    let (scene, warnings) = Files::new(&[("a.obj", obj.as_bytes()), ("a.mtl", &utf_16)]).read().unwrap();
+    assert_eq!(scene.meshes[0].triangles.len(), 1);
+    assert_eq!(
+        warnings,
+        ["a.obj:1: the material library a.mtl cannot be read: the file is UTF-16; expected ASCII or UTF-8; a grey \
+          material stands in for what it defines"]
+    );
+}
+
+#[test]
+fn digits_that_single_precision_does_not_hold_are_a_note() {
+    let files = Files::new(&[("a.obj", b"v 4500000.123 0 0\nv 4500001.123 0 0\nv 4500000.123 1 0\nf 1 2 3")]);
+    let loaded = crate::load::load(&files.1, &LoadOptions { strict: true }).unwrap();
+    let notes: Vec<_> = loaded.notes.iter().map(|note| files.local(&note.to_string())).collect();
+    assert_eq!(
+        notes,
+        ["a.obj: positions lose up to 1.23e-1 scene units in single precision: they are up to 4.500e6 from the origin, on \
+          1.000e0 of extent"]
+    );
 }
 
 #[test]
@@ -223,7 +336,7 @@ fn odd_texture_coordinates_and_normals_are_replaced_and_counted() {
 fn repeated_vertices_are_dropped_and_flat_triangles_kept() {
     let (scene, warnings) = load(&format!("{TRIANGLE}v 1 0 0\nf 1 2 2\nf 1 2 4\nf 1 2 3 3"));
     assert_eq!(scene.meshes[0].triangles.len(), 2);
-    assert_eq!(warnings, ["a.obj: 2 triangles have the same vertex twice and are dropped"]);
+    assert_eq!(warnings, ["a.obj: 1 triangles have the same vertex twice and are dropped"]);
 }
 
 #[test]
@@ -246,7 +359,7 @@ fn a_file_without_faces_is_a_scene_without_triangles() {
     for text in ["", TRIANGLE, "# nothing"] {
         let (scene, warnings) = load(text);
         assert!(scene.meshes.is_empty() && scene.instances.is_empty());
-        assert_eq!(warnings, ["a.obj: the file has no faces; the scene has no triangles from it"]);
+        assert_eq!(warnings, ["a.obj: the file has no faces: raywarp shows triangles, not points or lines"]);
     }
 }
 

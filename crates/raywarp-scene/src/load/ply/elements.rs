@@ -5,9 +5,10 @@ use std::path::Path;
 use ply_rs_bw::ply::{Encoding, PropertyType, ScalarType};
 
 use super::super::{LoadError, Place};
-use super::faces::{Corners, Faces};
+use super::color::{self, ColorFormat};
+use super::faces::{Attributes, Corners, Faces};
 use super::header::{Element, Header};
-use super::values::{Bytes, Fault, Text, Values};
+use super::values::{Bytes, Fault, Surplus, Text, Values};
 use super::vertices::Vertices;
 
 /// Reads the body that a header describes.
@@ -17,9 +18,48 @@ pub(super) struct Reader<'a> {
     pub bytes: &'a [u8],
 }
 
+/// What the tables hold.
+pub(super) struct Body {
+    /// `None` where there is no vertex.
+    pub vertices: Option<Vertices>,
+    pub faces: Faces,
+    /// Colours that are cut off at 1.
+    pub bright_colors: usize,
+    pub surplus: Surplus,
+}
+
+/// What a property of a face is for.
+#[derive(Clone, Copy, PartialEq)]
+enum Role {
+    Corners,
+    /// u and v of each corner, as MeshLab writes them.
+    Uvs,
+    /// Which of the pictures.
+    Texture,
+    Color(usize),
+    Other,
+}
+
+impl Role {
+    fn of(name: &str, kind: &PropertyType) -> Self {
+        match (name, kind) {
+            (name, PropertyType::List(..)) if is_vertex_list(name) => Self::Corners,
+            ("texcoord", PropertyType::List(..)) => Self::Uvs,
+            ("texnumber", PropertyType::Scalar(_)) => Self::Texture,
+            (name, PropertyType::Scalar(_)) => color::channel(name).map_or(Self::Other, Self::Color),
+            _ => Self::Other,
+        }
+    }
+}
+
+/// Whether a property of this name connects vertices.
+pub(super) fn is_vertex_list(name: &str) -> bool {
+    matches!(name, "vertex_indices" | "vertex_index")
+}
+
 impl Reader<'_> {
     /// The vertices and what connects them.
-    pub fn read(&self) -> Result<(Vertices, Faces), LoadError> {
+    pub fn read(&self) -> Result<Body, LoadError> {
         let body = self.header.body;
         match self.header.encoding {
             Encoding::Ascii => self.read_from(&mut Text::new(&self.bytes[body..], self.header.body_line)),
@@ -28,25 +68,28 @@ impl Reader<'_> {
         }
     }
 
-    fn read_from(&self, values: &mut impl Values) -> Result<(Vertices, Faces), LoadError> {
+    fn read_from(&self, values: &mut impl Values) -> Result<Body, LoadError> {
         let mut vertices: Option<Vertices> = None;
         let mut faces = Faces::new(self.header.count("vertex"), self.bytes.len());
+        let mut bright_colors = 0;
         // Rows without properties take no room, so there is nothing to read.
-        for element in self.header.elements.iter().filter(|element| !element.properties.is_empty()) {
+        let is_there = |element: &&Element| !element.properties.is_empty() && element.count > 0;
+        for element in self.header.elements.iter().filter(is_there) {
             match element.name.as_str() {
-                "vertex" => vertices = Some(self.vertices(element, values)?),
+                "vertex" => {
+                    let read = vertices.insert(self.vertices(element, values)?);
+                    bright_colors += read.finish_colors();
+                }
                 "face" => {
                     let positions = vertices.as_ref().map_or(&[][..], |vertices| &vertices.positions);
-                    self.corners(element, values, |corners| faces.add_polygon(corners, positions))?;
+                    self.faces(element, values, positions, &mut faces)?;
+                    bright_colors += ColorFormat::of(element).map_or(0, |format| format.finish(&mut faces.colors));
                 }
                 "tristrips" => self.corners(element, values, |corners| faces.add_strips(corners))?,
                 _ => self.skip(element, values)?,
             }
         }
-        let vertices = vertices.ok_or_else(|| {
-            self.broken(Place::File, "the header has no vertices".to_owned(), "an 'element vertex' with properties")
-        })?;
-        Ok((vertices, faces))
+        Ok(Body { vertices, faces, bright_colors, surplus: values.surplus() })
     }
 
     fn vertices(&self, element: &Element, values: &mut impl Values) -> Result<Vertices, LoadError> {
@@ -64,10 +107,56 @@ impl Reader<'_> {
                 }
                 .map_err(|fault| self.fault(element, row, fault))?;
             }
-            values.end_row().map_err(|fault| self.fault(element, row, fault))?;
+            values.end_row();
             vertices.push(&vertex);
         }
         Ok(vertices)
+    }
+
+    /// Adds the polygon of each row.
+    fn faces(
+        &self,
+        element: &Element,
+        values: &mut impl Values,
+        positions: &[[f32; 3]],
+        faces: &mut Faces,
+    ) -> Result<(), LoadError> {
+        self.vertex_list(element)?;
+        let mut roles: Vec<Role> =
+            element.properties.iter().map(|property| Role::of(&property.name, &property.kind)).collect();
+        keep_first(&mut roles, Role::Corners);
+        let has = |role: Role| roles.contains(&role);
+        let format = ColorFormat::of(element);
+        let mut attributes = Attributes { uvs: has(Role::Uvs).then(Vec::new), ..Attributes::default() };
+        let mut corners = Vec::new();
+        for row in 0..element.count {
+            let fault = |fault| self.fault(element, row, fault);
+            values.start_row().map_err(fault)?;
+            let (mut color, mut place) = ([0.0, 0.0, 0.0, format.map_or(1.0, ColorFormat::full_alpha)], Place::File);
+            for (property, role) in element.properties.iter().zip(&roles) {
+                match (role, &property.kind) {
+                    (Role::Corners, PropertyType::List(count_kind, kind)) => {
+                        place = values.place();
+                        read_list(count_kind, kind, values, &mut corners)
+                    }
+                    (Role::Uvs, PropertyType::List(count_kind, kind)) => {
+                        read_list(count_kind, kind, values, attributes.uvs.get_or_insert_default())
+                    }
+                    (Role::Texture, PropertyType::Scalar(kind)) => {
+                        values.next(kind).map(|number| attributes.texture = Some(number))
+                    }
+                    (Role::Color(channel), PropertyType::Scalar(kind)) => {
+                        values.next(kind).map(|value| color[*channel] = value)
+                    }
+                    (_, kind) => skip_property(kind, values),
+                }
+                .map_err(fault)?;
+            }
+            values.end_row();
+            attributes.color = format.map(|format| format.color(color));
+            faces.add_polygon(&corners, &attributes, positions).map_err(|wrong| fault(wrong.at(place)))?;
+        }
+        Ok(())
     }
 
     /// Hands the vertex list of each row to `add`, which says what is wrong with it.
@@ -77,12 +166,7 @@ impl Reader<'_> {
         values: &mut impl Values,
         mut add: impl FnMut(&[f64]) -> Result<(), Corners>,
     ) -> Result<(), LoadError> {
-        let is_list = |name: &str| matches!(name, "vertex_indices" | "vertex_index");
-        let column = element.properties.iter().position(|property| is_list(&property.name)).unwrap_or(usize::MAX);
-        let Some(PropertyType::List(count_kind, index_kind)) = element.properties.get(column).map(|p| &p.kind) else {
-            let read = format!("element '{}' has no vertex list", element.name);
-            return Err(self.broken(Place::File, read, "a list property 'vertex_indices' or 'vertex_index'"));
-        };
+        let (column, count_kind, index_kind) = self.vertex_list(element)?;
         let mut list = Vec::new();
         for row in 0..element.count {
             let fault = |fault| self.fault(element, row, fault);
@@ -96,9 +180,21 @@ impl Reader<'_> {
             for property in &element.properties[column + 1..] {
                 skip_property(&property.kind, values).map_err(fault)?;
             }
-            values.end_row().map_err(fault)?;
+            values.end_row();
         }
         Ok(())
+    }
+
+    /// The column of the list that connects vertices, and its types.
+    fn vertex_list<'e>(&self, element: &'e Element) -> Result<(usize, &'e ScalarType, &'e ScalarType), LoadError> {
+        let is_list = |(column, property): (usize, &'e super::header::Property)| match &property.kind {
+            PropertyType::List(count, index) if is_vertex_list(&property.name) => Some((column, count, index)),
+            _ => None,
+        };
+        element.properties.iter().enumerate().find_map(is_list).ok_or_else(|| {
+            let read = format!("element '{}' has no vertex list", element.name);
+            self.broken(Place::File, read, "a list property 'vertex_indices' or 'vertex_index'")
+        })
     }
 
     fn skip(&self, element: &Element, values: &mut impl Values) -> Result<(), LoadError> {
@@ -108,7 +204,7 @@ impl Reader<'_> {
             for property in &element.properties {
                 skip_property(&property.kind, values).map_err(fault)?;
             }
-            values.end_row().map_err(fault)?;
+            values.end_row();
         }
         Ok(())
     }
@@ -127,6 +223,13 @@ impl Reader<'_> {
             expected: expected.to_owned(),
             help: "Write the file again, or correct it there.".to_owned(),
         }
+    }
+}
+
+/// Leaves a role to the first property that has it: a file may have both names of a list.
+fn keep_first(roles: &mut [Role], role: Role) {
+    for other in roles.iter_mut().filter(|other| **other == role).skip(1) {
+        *other = Role::Other;
     }
 }
 

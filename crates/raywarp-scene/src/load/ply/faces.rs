@@ -1,4 +1,4 @@
-//! Vertex lists to triangles.
+//! Vertex lists to triangles, with what faces say of their corners.
 
 use super::super::triangulate::Triangulator;
 use super::super::Place;
@@ -11,11 +11,33 @@ const MOST_CORNERS: usize = 1000;
 pub(super) struct Faces {
     vertex_count: usize,
     pub triangles: Vec<[u32; 3]>,
-    /// Faces with fewer than three corners.
+    /// Texture coordinates of the corners of each triangle, `None` where the list does not fit; empty where faces have
+    /// none.
+    pub uvs: Vec<Option<[[f32; 2]; 3]>>,
+    /// Colour of each triangle; empty where faces have none.
+    pub colors: Vec<[f32; 4]>,
+    /// Number of each triangle's picture, -1 for none; empty where faces do not say.
+    pub textures: Vec<i32>,
+    /// Faces with fewer than three corners that differ.
     pub too_small: usize,
+    /// Faces whose list of texture coordinates is not two for each corner.
+    pub odd_uvs: usize,
     scratch: Vec<u32>,
     polygon: Vec<[f32; 3]>,
+    /// Triangles of a polygon, by places in its list.
+    places: Vec<[u32; 3]>,
     triangulator: Triangulator,
+}
+
+/// What a face says beside its corners.
+#[derive(Default)]
+pub(super) struct Attributes {
+    /// u and v for each corner, in turn. `None` where the table has no such list.
+    pub uvs: Option<Vec<f64>>,
+    /// Linear, as far as [`ColorFormat::color`](super::color::ColorFormat::color) makes it so.
+    pub color: Option<[f32; 4]>,
+    /// Number of its picture.
+    pub texture: Option<f64>,
 }
 
 /// A corner that is not a vertex.
@@ -41,37 +63,66 @@ impl Faces {
         Self {
             vertex_count,
             triangles: Vec::new(),
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            textures: Vec::new(),
             too_small: 0,
+            odd_uvs: 0,
             scratch: Vec::new(),
             polygon: Vec::new(),
+            places: Vec::new(),
             triangulator: Triangulator::new(file_bytes),
         }
     }
 
     /// A polygon, cut where it is not convex. Without positions, in files that put them last, a fan.
-    pub fn add_polygon(&mut self, corners: &[f64], positions: &[[f32; 3]]) -> Result<(), Corners> {
-        if let &[a, b, c] = corners {
-            self.triangles.push([self.vertex(a)?, self.vertex(b)?, self.vertex(c)?]);
-            return Ok(());
-        }
+    pub fn add_polygon(
+        &mut self,
+        corners: &[f64],
+        attributes: &Attributes,
+        positions: &[[f32; 3]],
+    ) -> Result<(), Corners> {
         self.scratch.clear();
         for &corner in corners {
             self.scratch.push(self.vertex(corner)?);
         }
-        if (4..=MOST_CORNERS).contains(&corners.len()) && positions.len() == self.vertex_count {
+        self.cut(positions);
+        self.too_small += usize::from(self.places.is_empty());
+        for &places in &self.places {
+            self.triangles.push(places.map(|place| self.scratch[place as usize]));
+        }
+        self.add_attributes(attributes, corners.len());
+        Ok(())
+    }
+
+    fn cut(&mut self, positions: &[[f32; 3]]) {
+        let count = self.scratch.len() as u32;
+        self.places.clear();
+        if (4..=MOST_CORNERS).contains(&self.scratch.len()) && positions.len() == self.vertex_count {
             self.polygon.clear();
             self.polygon.extend(self.scratch.iter().map(|&vertex| positions[vertex as usize]));
-            let triangles = self.triangulator.cut(&self.polygon);
-            self.triangles.extend(triangles.iter().map(|corner| corner.map(|place| self.scratch[place as usize])));
-            return Ok(());
+            self.places.extend_from_slice(self.triangulator.cut(&self.polygon));
+        } else {
+            self.places.extend((2..count).map(|place| [0, place - 1, place]));
         }
-        let Some((&first, others)) = self.scratch.split_first() else {
-            self.too_small += 1;
-            return Ok(());
-        };
-        self.too_small += usize::from(others.len() < 2);
-        self.triangles.extend(others.windows(2).map(|edge| [first, edge[0], edge[1]]));
-        Ok(())
+    }
+
+    fn add_attributes(&mut self, attributes: &Attributes, corners: usize) {
+        if let Some(uvs) = &attributes.uvs {
+            let fits = uvs.len() == 2 * corners;
+            self.odd_uvs += usize::from(!fits && !self.places.is_empty());
+            let finite = |x: f64| if (x as f32).is_finite() { x as f32 } else { 0.0 };
+            let uv = |place: u32| [2 * place as usize, 2 * place as usize + 1].map(|at| finite(uvs[at]));
+            self.uvs.extend(self.places.iter().map(|places| fits.then(|| places.map(uv))));
+        }
+        let triangles = self.places.len();
+        if let Some(color) = attributes.color {
+            self.colors.extend(std::iter::repeat_n(color, triangles));
+        }
+        if let Some(texture) = attributes.texture {
+            // Saturates, and NaN is 0.
+            self.textures.extend(std::iter::repeat_n(texture as i32, triangles));
+        }
     }
 
     /// Strips of triangles; -1 starts a new one.

@@ -1,5 +1,6 @@
 //! The header: what the body holds, checked against the size of the file before any of it is read.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
@@ -16,6 +17,16 @@ pub(super) struct Header {
     pub body: usize,
     /// Line number of the first line of the body, from 1.
     pub body_line: usize,
+    /// Pictures that comments name, as MeshLab writes them: `comment TextureFile NAME`.
+    pub texture_files: Vec<TextureFile>,
+    /// Names of properties that an element has before: the first holds.
+    pub repeated: Vec<String>,
+}
+
+/// A picture that a comment names.
+pub(super) struct TextureFile {
+    pub line: usize,
+    pub name: String,
 }
 
 /// A table of the body.
@@ -35,6 +46,8 @@ impl Header {
     /// Reads the header at the start of a file.
     pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, LoadError> {
         let (text, body) = split(path, bytes)?;
+        let texture_files = texture_files(&text);
+        let (text, repeated) = with_unlike_names(&text);
         let parsed = Parser::<DefaultElement>::new()
             .read_header(&mut Reader::new(text.as_bytes()))
             .map_err(|error| refused(path, &text, &error))?;
@@ -52,7 +65,8 @@ impl Header {
             })
             .collect();
         refuse_doubles(path, &text, &elements)?;
-        Ok(Self { encoding: parsed.encoding, elements, body, body_line: text.lines().count() + 1 })
+        let body_line = text.lines().count() + 1;
+        Ok(Self { encoding: parsed.encoding, elements, body, body_line, texture_files, repeated })
     }
 
     /// Number of rows of an element; 0 if there is none.
@@ -124,10 +138,11 @@ fn split(path: &Path, bytes: &[u8]) -> Result<(String, usize), LoadError> {
         if text.is_empty() && line.trim_ascii_end() != b"ply" {
             break;
         }
-        // Comments in old encodings are no reason to refuse a file.
-        text.push_str(String::from_utf8_lossy(line).trim_end());
+        // Comments in old encodings are no reason to refuse a file, nor are blanks; lines keep their numbers.
+        let line = String::from_utf8_lossy(line);
+        text.push_str(if line.trim().is_empty() { "comment" } else { line.trim() });
         text.push('\n');
-        if line.trim_ascii_end() == b"end_header" {
+        if line.trim() == "end_header" {
             return Ok((text, start.min(bytes.len())));
         }
     }
@@ -142,6 +157,36 @@ fn split(path: &Path, bytes: &[u8]) -> Result<(String, usize), LoadError> {
         expected: expected.to_owned(),
         help: "Check that this is a whole PLY file.".to_owned(),
     })
+}
+
+fn texture_files(text: &str) -> Vec<TextureFile> {
+    let name_of = |line: &str| {
+        let (keyword, name) = line.strip_prefix("comment")?.trim_start().split_once(char::is_whitespace)?;
+        keyword.eq_ignore_ascii_case("TextureFile").then(|| name.trim().trim_matches('"').to_owned())
+    };
+    let lines = text.lines().enumerate();
+    lines.filter_map(|(at, line)| Some(TextureFile { line: at + 1, name: name_of(line)? })).collect()
+}
+
+/// The header with a name of its own for each property that has the name of one before, such as padding, which the parser
+/// takes for the same; and those names.
+fn with_unlike_names(text: &str) -> (String, Vec<String>) {
+    let (mut unlike, mut repeated, mut seen) = (String::with_capacity(text.len()), Vec::new(), HashSet::new());
+    for (at, line) in text.lines().enumerate() {
+        let mut words = line.split_ascii_whitespace();
+        match (words.next(), words.last()) {
+            (Some("element"), _) => seen.clear(),
+            (Some("property"), Some(name)) if !seen.insert(name) => {
+                repeated.push(name.to_owned());
+                unlike.push_str(&format!("{line}_again_in_line_{}\n", at + 1));
+                continue;
+            }
+            _ => {}
+        }
+        unlike.push_str(line);
+        unlike.push('\n');
+    }
+    (unlike, repeated)
 }
 
 fn refused(path: &Path, text: &str, error: &ParseError) -> LoadError {
@@ -171,7 +216,7 @@ fn refuse_doubles(path: &Path, text: &str, elements: &[Element]) -> Result<(), L
     Err(LoadError::Syntax {
         path: path.to_owned(),
         place: Place::File,
-        read: "the header defines an element or a property twice".to_owned(),
+        read: "the header defines an element twice".to_owned(),
         expected: "every name once".to_owned(),
         help: "Correct the header.".to_owned(),
     })

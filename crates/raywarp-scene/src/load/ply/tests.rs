@@ -102,7 +102,144 @@ fn floating_point_colors_are_linear() {
         "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty float red\n\
          property float green\nproperty float blue\nend_header\n0 0 0 0.5 2 -1\n",
     );
-    assert_eq!(mesh(&text).colors, [[0.5, 2.0, 0.0, 1.0]]);
+    assert_eq!(mesh(&text).colors, [[0.5, 1.0, 0.0, 1.0]]);
+    assert!(loaded(&text).warnings.iter().any(|w| w.message == "1 colours are brighter than 1 and are cut off there"));
+    let bytes = mesh(&text.replace("0.5 2 -1", "255 188 0")).colors[0];
+    assert!(bytes[0] == 1.0 && (bytes[1] - 0.5029).abs() < 1e-3, "from 0 to 255 they are sRGB: {bytes:?}");
+}
+
+#[test]
+fn files_without_vertices_are_empty_scenes() {
+    for header in ["element face 0\nproperty list uchar int vertex_indices\n", "element vertex 0\nproperty int x\n", ""]
+    {
+        let loaded = loaded(&ascii(&format!("{header}end_header\n")));
+        assert!(loaded.scene.meshes.is_empty() && loaded.scene.instances.is_empty());
+        assert_eq!(only_warning(&loaded), "the file has no vertices: there is nothing to see");
+    }
+}
+
+#[test]
+fn rows_may_have_more_values_than_the_header_says() {
+    let loaded = loaded(&ascii(&format!("{TRIANGLE}0 0 0 7\n1 0 0\n0 1 0 8 9\n3 0 1 2 9\n")));
+    assert_eq!(loaded.scene.meshes[0].positions, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    assert_eq!(loaded.scene.meshes[0].triangles, [[0, 1, 2]]);
+    assert_eq!(
+        (only_warning(&loaded), loaded.warnings[0].line),
+        ("3 rows have more values than the header declares; the first count", Some(10))
+    );
+}
+
+#[test]
+fn lines_of_the_header_may_begin_with_blanks_or_be_empty() {
+    let text = TRIANGLE.replace("element", " element").replace("property list", "\n\t property list");
+    assert_eq!(mesh(&ascii(&format!("{text}0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"))).triangles, [[0, 1, 2]]);
+    let message = refusal(ascii(&format!("{text}0 0 0\n1 x 0\n0 1 0\n3 0 1 2\n")).as_bytes());
+    assert!(message.starts_with("F:12:3: vertex 1 of 3: 'x'"), "{message}");
+}
+
+#[test]
+fn padding_may_be_there_twice() {
+    let pad = "property float z\nproperty uchar pad\nproperty uchar pad\nproperty uchar pad\n";
+    let text = TRIANGLE.replace("property float z\n", pad);
+    let loaded = loaded(&ascii(&format!("{text}0 0 0 9 9 9\n1 0 0 9 9 9\n0 1 0 9 9 9\n3 0 1 2\n")));
+    assert_eq!((loaded.scene.meshes[0].triangles.len(), loaded.warnings.len()), (1, 0));
+}
+
+#[test]
+fn of_two_properties_of_a_name_the_first_holds() {
+    let text = TRIANGLE.replace("property float z\n", "property float z\nproperty float x\n");
+    let loaded = loaded(&ascii(&format!("{text}0 0 0 9\n1 0 0 9\n0 1 0 9\n3 0 1 2\n")));
+    assert_eq!(loaded.scene.meshes[0].positions[1], [1.0, 0.0, 0.0]);
+    assert_eq!(only_warning(&loaded), "the property 'x' is defined again; the first holds");
+}
+
+#[test]
+fn bytes_behind_the_last_row_are_not_read() {
+    let text = ascii(&format!("{TRIANGLE}0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+    for end in ["\u{1a}", "\0\0"] {
+        assert_eq!(mesh(&format!("{text}{end}")).triangles, [[0, 1, 2]]);
+    }
+}
+
+/// Two triangles over a square, with more properties of a vertex and of a face, and these rows.
+fn square(comment: &str, [vertex, face]: [&str; 2], vertices: [&str; 4], faces: [&str; 2]) -> Loaded {
+    let places = ["0 0 0", "1 0 0", "1 1 0", "0 1 0"];
+    let vertices: String = places.iter().zip(vertices).map(|(place, more)| format!("{place} {more}\n")).collect();
+    let text = ascii(&format!(
+        "{comment}element vertex 4\nproperty float x\nproperty float y\nproperty float z\n{vertex}\
+         element face 2\nproperty list uchar int vertex_indices\n{face}end_header\n{vertices}3 0 1 2 {}\n3 0 2 3 {}\n",
+        faces[0], faces[1]
+    ));
+    let folder = tempfile::tempdir().unwrap();
+    let picture = image::RgbaImage::from_pixel(2, 2, image::Rgba([255, 0, 0, 255]));
+    ["red.png", "a b.png"].iter().for_each(|name| picture.save(folder.path().join(name)).unwrap());
+    std::fs::write(folder.path().join("test.ply"), text).unwrap();
+    load(&folder.path().join("test.ply"), &LoadOptions::default()).unwrap()
+}
+
+const ST: &str = "property float s\nproperty float t\n";
+const WEDGES: &str = "property list uchar float texcoord\n";
+
+#[test]
+fn a_texture_file_is_shown_by_the_coordinates_of_vertices() {
+    let loaded = square("comment TextureFile red.png\n", [ST, ""], ["0 0", "1 0", "1 1", "0 1"], [""; 2]);
+    let scene = loaded.scene;
+    assert!(loaded.warnings.is_empty());
+    assert_eq!(scene.meshes[0].uvs, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+    assert_eq!((scene.materials.len(), scene.images[0].texels[0]), (1, [255, 0, 0, 255]));
+    assert_eq!(scene.materials[0].diffuse_map, Some(crate::Texture::new(0, true)));
+}
+
+#[test]
+fn a_texture_file_is_shown_by_the_coordinates_of_corners() {
+    let faces = ["6 0 0 1 0 1 1", "6 0 0 1 1 0 0.5"];
+    let loaded = square("comment texturefile \"a b.png\"\n", ["", WEDGES], [""; 4], faces);
+    let mesh = &loaded.scene.meshes[0];
+    assert!(loaded.warnings.is_empty() && loaded.scene.materials[0].diffuse_map.is_some());
+    assert_eq!((mesh.positions.len(), mesh.normals.len()), (4, 4), "equal corners share a vertex");
+    let uvs = mesh.triangles.iter().map(|triangle| triangle.map(|vertex| mesh.uvs[vertex as usize]));
+    assert_eq!(uvs.collect::<Vec<_>>(), [[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], [[0.0, 0.0], [1.0, 1.0], [0.0, 0.5]]]);
+    let split = square("", ["", WEDGES], [""; 4], ["6 0 0 1 0 1 1", "6 0.5 0 1 1 0 1"]);
+    assert_eq!(split.scene.meshes[0].positions.len(), 5);
+    let odd = square("", ["", WEDGES], [""; 4], ["3 0 0 1", "6 0 0 1 1 0 nan"]);
+    assert_eq!(odd.scene.meshes[0].uvs.iter().flatten().filter(|&&x| x != 0.0).count(), 2);
+    assert_eq!(
+        only_warning(&odd),
+        "1 faces have other than two texture coordinates a corner; those of their vertices or (0, 0) stand in"
+    );
+}
+
+#[test]
+fn faces_say_which_texture_file_they_show() {
+    let comments = "comment TextureFile red.png\ncomment TextureFile a b.png\n";
+    let face = format!("{WEDGES}property int texnumber\n");
+    let faces = ["6 0 0 1 0 1 1 1", "6 0 0 1 1 0 1 -1"];
+    let loaded = square(comments, ["", &face], [""; 4], faces);
+    let names: Vec<_> = loaded.scene.materials.iter().map(|material| material.name.as_str()).collect();
+    assert_eq!((names, &loaded.scene.meshes[0].materials[..]), (vec!["red.png", "a b.png", "default"], &[1, 2][..]));
+}
+
+#[test]
+fn faces_have_colours() {
+    let face = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+    let loaded = square("", ["", face], [""; 4], ["255 0 0", "0 0 255"]);
+    let mesh = &loaded.scene.meshes[0];
+    let color = |triangle: usize| mesh.triangles[triangle].map(|vertex| mesh.colors[vertex as usize]);
+    assert_eq!([color(0), color(1)], [[[1.0, 0.0, 0.0, 1.0]; 3], [[0.0, 0.0, 1.0, 1.0]; 3]]);
+    assert_eq!((mesh.positions.len(), mesh.normals.len(), loaded.warnings.len()), (6, 6, 0));
+    let both = square("", [face, face], ["0 0 0", "0 0 0", "0 0 0", "0 0 0"], ["255 0 0", "0 0 255"]);
+    assert_eq!(both.scene.meshes[0].colors, [[0.0, 0.0, 0.0, 1.0]; 4]);
+    assert_eq!(only_warning(&both), "colours of faces are left out: vertices have colours of their own");
+}
+
+#[test]
+fn a_texture_file_without_coordinates_is_a_plain_colour_and_a_warning() {
+    let loaded = square("comment TextureFile red.png\n", ["", ""], [""; 4], [""; 2]);
+    assert_eq!(loaded.scene.materials[0].diffuse_map, None);
+    assert_eq!(
+        only_warning(&loaded),
+        "the mesh 'test' has no coordinates for the textures of the material 'default', which shows its plain colour there"
+    );
 }
 
 #[test]
@@ -168,7 +305,7 @@ fn a_point_cloud_is_a_warning() {
         "element vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n1 0 0\n",
     ));
     assert!(loaded.scene.meshes[0].triangles.is_empty());
-    assert_eq!(only_warning(&loaded), "2 vertices and no faces: a point cloud shows nothing");
+    assert_eq!(only_warning(&loaded), "2 vertices and no faces: a point cloud, and raywarp shows triangles alone");
 }
 
 #[test]
@@ -238,7 +375,6 @@ fn broken_bodies_are_refused_where_they_break() {
     let cases = [
         ("0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n", "F:11:3: vertex 1 of 3: 'zero'; expected a number."),
         ("0 0 0\n1 0\n0 1 0\n3 0 1 2\n3 0", "F:11:4: vertex 1 of 3: the line ends; expected a number."),
-        ("0 0 0\n1 0 0 4\n0 1 0\n3 0 1 2\n", "F:11:7: vertex 1 of 3: '4' at the end of the line; expected as many"),
         ("0 0 0\n1 0 0\n0 1 0\n\n\n\n", "F: face 0 of 1: the file ends; expected another line."),
         ("0 0 0\n1 0 0\n0 1 0\n200 0 1 2\n", "F:13:1: face 0 of 1: a list of 200 values; expected a whole number"),
         ("0 0 0\n1 0 0\n0 1 0\n-1 0 1 2\n", "F:13:1: face 0 of 1: a list of -1 values; expected a whole number"),
@@ -258,17 +394,16 @@ fn broken_headers_are_refused() {
         ("ply\nformat ascii 1.0\nelement vertex many\nend_header\n", "F:3:1: 'element vertex many'; expected"),
         ("ply\nformat ascii 1.0\nelement vertex 99999999999999999999\nend_header\n", "F:3:1: 'element vertex 999"),
         ("ply\nend_header\n", "F: the header is incomplete; expected 'format"),
-        ("ply\nformat ascii 1.0\nend_header\n", "F: the header has no vertices; expected"),
         (
-            "ply\nformat ascii 1.0\nelement vertex 0\nproperty int x\nend_header\n",
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nend_header\n1\n",
             "F: element 'vertex' has no property 'y'",
         ),
         (
             "ply\nformat ascii 1.0\nelement vertex 0\nelement vertex 0\nend_header\n",
-            "F: the header defines an element or a property twice; expected every name once.",
+            "F: the header defines an element twice; expected every name once.",
         ),
         (
-            "ply\nformat ascii 1.0\nelement face 0\nproperty int x\nend_header\n",
+            "ply\nformat ascii 1.0\nelement face 1\nproperty int x\nend_header\n1\n",
             "F: element 'face' has no vertex list; expected",
         ),
     ];

@@ -19,12 +19,21 @@ pub(super) trait Values {
     fn start_row(&mut self) -> Result<(), Fault>;
     /// The next number of the row. All types of PLY fit into an `f64`.
     fn next(&mut self, kind: &ScalarType) -> Result<f64, Fault>;
-    /// Leaves the row.
-    fn end_row(&mut self) -> Result<(), Fault>;
+    /// Leaves the row, with what is left of it.
+    fn end_row(&mut self);
     /// Where the next value starts.
     fn place(&self) -> Place;
     /// The most values of a kind that can follow.
     fn room_for(&self, kind: &ScalarType) -> usize;
+    /// The rows that were left with values in them, and the line of the first.
+    fn surplus(&self) -> Surplus;
+}
+
+/// Rows with more values than the header declares.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Surplus {
+    pub rows: usize,
+    pub first_line: usize,
 }
 
 /// Text, one row a line.
@@ -34,12 +43,13 @@ pub(super) struct Text<'a> {
     row: &'a [u8],
     row_length: usize,
     line: usize,
+    surplus: Surplus,
 }
 
 impl<'a> Text<'a> {
     /// Starts before the first line, which has the given number.
     pub fn new(body: &'a [u8], line: usize) -> Self {
-        Self { rest: body, row: &[], row_length: 0, line: line - 1 }
+        Self { rest: body, row: &[], row_length: 0, line: line - 1, surplus: Surplus::default() }
     }
 }
 
@@ -72,17 +82,14 @@ impl Values for Text<'_> {
         number(word).ok_or_else(|| Fault { place, read: quote(word), expected: expected() })
     }
 
-    fn end_row(&mut self) -> Result<(), Fault> {
-        self.row = self.row.trim_ascii_start();
-        let left = self.row.trim_ascii_end();
-        if left.is_empty() {
-            return Ok(());
+    fn end_row(&mut self) {
+        if self.row.trim_ascii().is_empty() {
+            return;
         }
-        Err(Fault {
-            place: self.place(),
-            read: format!("{} at the end of the line", quote(left)),
-            expected: "as many values as the header declares".to_owned(),
-        })
+        if self.surplus.rows == 0 {
+            self.surplus.first_line = self.line;
+        }
+        self.surplus.rows += 1;
     }
 
     fn place(&self) -> Place {
@@ -91,6 +98,10 @@ impl Values for Text<'_> {
 
     fn room_for(&self, _kind: &ScalarType) -> usize {
         self.row.len() / 2
+    }
+
+    fn surplus(&self) -> Surplus {
+        self.surplus
     }
 }
 
@@ -157,9 +168,7 @@ impl<const BIG_ENDIAN: bool> Values for Bytes<'_, BIG_ENDIAN> {
         })
     }
 
-    fn end_row(&mut self) -> Result<(), Fault> {
-        Ok(())
-    }
+    fn end_row(&mut self) {}
 
     fn place(&self) -> Place {
         Place::Byte(self.position as u64)
@@ -167,5 +176,9 @@ impl<const BIG_ENDIAN: bool> Values for Bytes<'_, BIG_ENDIAN> {
 
     fn room_for(&self, kind: &ScalarType) -> usize {
         (self.file.len() - self.position) / size_of_scalar(kind)
+    }
+
+    fn surplus(&self) -> Surplus {
+        Surplus::default()
     }
 }

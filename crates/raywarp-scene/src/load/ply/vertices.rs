@@ -1,9 +1,10 @@
 //! Vertices: which property goes where, and in what unit.
 
-use ply_rs_bw::ply::{PropertyType, ScalarType};
+use ply_rs_bw::ply::PropertyType;
 
+use super::color::{self, ColorFormat};
 use super::header::Element;
-use crate::srgb::srgb_to_linear_precise;
+use crate::load::precision::Rounding;
 
 /// Values of one vertex before conversion, by slot.
 pub(super) type Row = [f64; SLOTS];
@@ -11,7 +12,7 @@ pub(super) type Row = [f64; SLOTS];
 const SLOTS: usize = 12;
 const NORMAL: usize = 3;
 const COLOR: usize = 6;
-const ALPHA: usize = 9;
+const ALPHA: usize = COLOR + 3;
 const UV: usize = 10;
 
 /// Vertices in the layout of a mesh; a list is empty where the file lacks its properties.
@@ -20,11 +21,10 @@ pub(super) struct Vertices {
     pub normals: Vec<[f32; 3]>,
     pub colors: Vec<[f32; 4]>,
     pub uvs: Vec<[f32; 2]>,
+    pub rounding: Rounding,
     has_normals: bool,
-    has_colors: bool,
     has_uvs: bool,
-    /// What stands for 1 in each colour channel; `None` for floating point, which is linear.
-    color_scale: [Option<f64>; 4],
+    color_format: Option<ColorFormat>,
 }
 
 impl Vertices {
@@ -47,10 +47,10 @@ impl Vertices {
             normals: Vec::new(),
             colors: Vec::new(),
             uvs: Vec::new(),
+            rounding: Rounding::default(),
             has_normals: all(NORMAL, 3),
-            has_colors: all(COLOR, 3),
             has_uvs: all(UV, 2),
-            color_scale: std::array::from_fn(|channel| color_scale(element, &slots, COLOR + channel)),
+            color_format: ColorFormat::of(element),
         };
         Ok((vertices, slots))
     }
@@ -58,34 +58,34 @@ impl Vertices {
     /// What properties that the file lacks are taken to be.
     pub fn blank(&self) -> Row {
         let mut row = [0.0; SLOTS];
-        row[ALPHA] = self.color_scale[3].unwrap_or(1.0);
+        row[ALPHA] = self.color_format.map_or(1.0, ColorFormat::full_alpha);
         row
     }
 
     /// Adds a vertex. Values that do not fit into an `f32` become infinite.
     pub fn push(&mut self, row: &Row) {
         let narrow = |slot: usize| row[slot] as f32;
-        self.positions.push([narrow(0), narrow(1), narrow(2)]);
+        self.positions.push([row[0], row[1], row[2]].map(|x| self.rounding.round(x)));
         if self.has_normals {
             self.normals.push(std::array::from_fn(|axis| narrow(NORMAL + axis)));
         }
-        if self.has_colors {
-            self.colors.push(std::array::from_fn(|channel| self.color(channel, row[COLOR + channel])));
+        if let Some(format) = self.color_format {
+            self.colors.push(format.color(std::array::from_fn(|channel| row[COLOR + channel])));
         }
         if self.has_uvs {
             self.uvs.push([narrow(UV), narrow(UV + 1)].map(|value| if value.is_finite() { value } else { 0.0 }));
         }
     }
 
-    fn color(&self, channel: usize, value: f64) -> f32 {
-        // `max` turns NaN into 0.
-        let linear = match self.color_scale[channel] {
-            None => value.max(0.0),
-            Some(scale) if channel == 3 => (value / scale).max(0.0),
-            Some(scale) => srgb_to_linear_precise((value / scale).clamp(0.0, 1.0)),
-        };
-        linear.min(if channel == 3 { 1.0 } else { f64::from(f32::MAX) }) as f32
+    /// To be called once behind the last vertex; returns how many colours are cut off at 1.
+    pub fn finish_colors(&mut self) -> usize {
+        self.color_format.map_or(0, |format| format.finish(&mut self.colors))
     }
+}
+
+/// Whether a property of a vertex is read.
+pub(super) fn is_read(name: &str) -> bool {
+    slot(name).is_some()
 }
 
 fn slot(name: &str) -> Option<usize> {
@@ -96,24 +96,8 @@ fn slot(name: &str) -> Option<usize> {
         "nx" => NORMAL,
         "ny" => NORMAL + 1,
         "nz" => NORMAL + 2,
-        "red" | "diffuse_red" => COLOR,
-        "green" | "diffuse_green" => COLOR + 1,
-        "blue" | "diffuse_blue" => COLOR + 2,
-        "alpha" | "diffuse_alpha" => ALPHA,
         "s" | "u" | "texture_u" => UV,
         "t" | "v" | "texture_v" => UV + 1,
-        _ => return None,
+        name => COLOR + color::channel(name)?,
     })
-}
-
-fn color_scale(element: &Element, slots: &[Option<usize>], slot: usize) -> Option<f64> {
-    let column = slots.iter().position(|&candidate| candidate == Some(slot))?;
-    match &element.properties.get(column)?.kind {
-        PropertyType::Scalar(ScalarType::Float | ScalarType::Double) | PropertyType::List(..) => None,
-        PropertyType::Scalar(ScalarType::Char) => Some(f64::from(i8::MAX)),
-        PropertyType::Scalar(ScalarType::Short) => Some(f64::from(i16::MAX)),
-        PropertyType::Scalar(ScalarType::UShort) => Some(f64::from(u16::MAX)),
-        // Colours declared as int or uint are 0 to 255 all the same.
-        PropertyType::Scalar(_) => Some(255.0),
-    }
 }

@@ -4,9 +4,9 @@ mod number;
 mod statements;
 mod tally;
 
-pub(super) use number::{parse_f32, parse_integer};
-pub(super) use statements::{Field, Statement, Statements};
-pub(super) use tally::{is_keyword, Kind, Tally};
+pub(super) use number::{parse_f32, parse_f64, parse_integer};
+pub(super) use statements::{unpadded, Field, Statement, Statements};
+pub(super) use tally::{is_keyword, Kind, Strays, Tally};
 
 use std::path::Path;
 

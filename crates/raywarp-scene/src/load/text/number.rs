@@ -3,7 +3,13 @@
 /// The nearest `f32`; also the spellings of infinity and NaN, Microsoft's among them. `None` for anything else.
 #[inline]
 pub(crate) fn parse_f32(text: &[u8]) -> Option<f32> {
-    short_decimal(text).or_else(|| any_f32(text))
+    short_decimal(text).map(|value| value as f32).or_else(|| any_f32(text))
+}
+
+/// The number as it is written, to the nearest `f64`; cast to `f32` it is what [`parse_f32`] gives.
+#[inline]
+pub(crate) fn parse_f64(text: &[u8]) -> Option<f64> {
+    short_decimal(text).or_else(|| any_f64(text))
 }
 
 /// A decimal integer with an optional sign. `None` for anything else and beyond 18 digits.
@@ -39,7 +45,7 @@ const POWERS: [f64; 23] = [
 
 /// Digits and exponent so small that one exact `f64` operation gives the value (Clinger 1990).
 #[inline]
-fn short_decimal(text: &[u8]) -> Option<f32> {
+fn short_decimal(text: &[u8]) -> Option<f64> {
     let (negative, text) = split_sign(text);
     let (whole, rest) = digits(0, text)?;
     let (mantissa, rest, decimals) = match rest {
@@ -76,21 +82,29 @@ fn digits(mut mantissa: u64, text: &[u8]) -> Option<(u64, &[u8])> {
     Some((mantissa, &text[at..]))
 }
 
-/// `mantissa * 10^exponent`, rounded once to `f64` and then to `f32`. `None` where rounding twice might differ from
-/// rounding once: half way between two `f32`, below the normal numbers, and beyond the largest.
+/// `mantissa * 10^exponent`, rounded once, to `f64`. `None` where a second rounding, to `f32`, might differ from rounding
+/// to `f32` at once: half way between two `f32`, below the normal numbers, and beyond the largest.
 #[inline]
-fn scaled(mantissa: u64, exponent: i64) -> Option<f32> {
+fn scaled(mantissa: u64, exponent: i64) -> Option<f64> {
     let power = POWERS.get(usize::try_from(exponent.abs()).ok()?)?;
     let value = if exponent < 0 { mantissa as f64 / power } else { mantissa as f64 * power };
     let half_way = value.to_bits() & 0x1fff_ffff == 0x1000_0000;
     let in_range = value == 0.0 || (value >= f64::from(f32::MIN_POSITIVE) && value <= f64::from(f32::MAX));
-    (in_range && !half_way).then_some(value as f32)
+    (in_range && !half_way).then_some(value)
 }
 
 #[cold]
 fn any_f32(text: &[u8]) -> Option<f32> {
     let text = std::str::from_utf8(text).ok()?;
     text.parse().ok().or_else(|| microsoft(&text.to_ascii_lowercase()))
+}
+
+/// A number that rounds to another `f32` by way of `f64` is given as that `f32`: what is lost is half its last place.
+#[cold]
+fn any_f64(text: &[u8]) -> Option<f64> {
+    let single = any_f32(text)?;
+    let exact = std::str::from_utf8(text).ok().and_then(|text| text.parse::<f64>().ok());
+    Some(exact.filter(|&exact| (exact as f32).to_bits() == single.to_bits()).unwrap_or(f64::from(single)))
 }
 
 /// `1.#INF`, `-1.#IND00`, `1.#QNAN`, `-nan(ind)` as older C libraries print them.
@@ -148,6 +162,9 @@ mod tests {
             for text in [format!("{whole}.{decimals}e{exponent}"), format!("-{whole}.{decimals:08}"), whole.to_string()] {
                 let expected = text.parse::<f32>().unwrap();
                 prop_assert_eq!(parse_f32(text.as_bytes()).map(f32::to_bits), Some(expected.to_bits()), "{}", text);
+                let wide = parse_f64(text.as_bytes()).unwrap();
+                prop_assert_eq!((wide as f32).to_bits(), expected.to_bits(), "{}", text);
+                prop_assert!(wide == f64::from(expected) || wide == text.parse::<f64>().unwrap(), "{}", text);
             }
         }
 

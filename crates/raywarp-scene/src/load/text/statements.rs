@@ -6,7 +6,7 @@ use crate::load::quote::quote;
 use crate::load::{LoadError, Place};
 
 /// The statements of a file, in order. Comments and empty lines are left out; a backslash at the end of a line joins
-/// the next one. Lines end with LF, CR LF or CR.
+/// the next one. Lines end with LF, CR LF or CR. The text ends where nothing but padding follows (see [`unpadded`]).
 pub(crate) struct Statements<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -16,7 +16,7 @@ pub(crate) struct Statements<'a> {
 impl<'a> Statements<'a> {
     pub fn new(bytes: &'a [u8]) -> Self {
         let at = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
-        Self { bytes, at, line: 1 }
+        Self { bytes: unpadded(bytes), at, line: 1 }
     }
 
     /// Moves behind the end of the line and returns where it ends.
@@ -39,6 +39,23 @@ impl<'a> Statements<'a> {
         }
     }
 }
+
+/// A text without what DOS and CP/M leave behind it: a line that begins with Ctrl-Z ends it, and so do Ctrl-Z and NULs
+/// behind which is nothing else. A file of nothing but these stays as it is, for it is no text at all.
+pub(crate) fn unpadded(bytes: &[u8]) -> &[u8] {
+    let ends = |&(at, &byte): &(usize, &u8)| byte == END_OF_TEXT && (at == 0 || matches!(bytes[at - 1], b'\n' | b'\r'));
+    let end = bytes.iter().enumerate().find(ends).map_or(bytes.len(), |(at, _)| at);
+    let is_padding = |byte: &&u8| matches!(**byte, 0 | END_OF_TEXT | b'\n' | b'\r' | b' ');
+    let padding = bytes[..end].iter().rev().take_while(is_padding).count();
+    match bytes[end - padding..end].iter().any(|&byte| matches!(byte, 0 | END_OF_TEXT)) {
+        true if end > padding => &bytes[..end - padding],
+        true => bytes,
+        false => &bytes[..end],
+    }
+}
+
+/// Ctrl-Z.
+const END_OF_TEXT: u8 = 0x1a;
 
 impl<'a> Iterator for Statements<'a> {
     type Item = Statement<'a>;
@@ -101,6 +118,11 @@ impl<'a> Statement<'a> {
     pub fn text_from(&self, start: usize, end: usize) -> String {
         let text = String::from_utf8_lossy(&self.bytes[start..end]);
         text.replace("\\\r\n", " ").replace("\\\n", " ").replace("\\\r", " ").trim().to_owned()
+    }
+
+    /// Where its last line ends.
+    pub fn end(&self) -> usize {
+        self.bytes.len()
     }
 
     /// Where a byte of the statement lies in the file.
@@ -229,6 +251,17 @@ mod tests {
     #[test]
     fn a_byte_order_mark_is_left_out() {
         assert_eq!(read("\u{feff}v 1"), [words(1, "v 1")]);
+    }
+
+    #[test]
+    fn the_text_ends_at_ctrl_z_and_at_nuls_behind_which_is_nothing() {
+        for end in ["\u{1a}", "\u{1a}\u{1a}\r\n", "\0\0\0", "\0\u{1a}\0\n"] {
+            assert_eq!(read(&format!("v 1\n{end}")), [words(1, "v 1")], "{end:?}");
+            assert_eq!(read(&format!("v 1{end}")), [words(1, "v 1")], "{end:?}");
+        }
+        assert_eq!(read("v 1\n\u{1a}v 2\nv 3"), [words(1, "v 1")]);
+        assert_eq!(read("v\0 \u{1a}1\nv"), [words(1, "v\0 \u{1a}1"), words(2, "v")]);
+        assert_eq!(unpadded(b"\0\0"), b"\0\0");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Statements that are passed over, counted by their keyword.
+//! Statements that are passed over: counted by their keyword, or all together where they have none.
 
 use super::Statement;
 
@@ -33,7 +33,35 @@ impl<'a> Tally<'a> {
     }
 }
 
-/// What may be a statement of a dialect. Anything else means that the file is something else.
+/// Lines of some kind that are passed over: how many, and the first.
+#[derive(Default)]
+pub(crate) struct Strays {
+    pub count: usize,
+    /// Where the first stands.
+    pub line: usize,
+    /// What it says, in quotes.
+    first: String,
+}
+
+impl Strays {
+    pub fn count(&mut self, statement: &Statement) {
+        if self.count == 0 {
+            (self.line, self.first) = (statement.line, statement.quoted());
+        }
+        self.count += 1;
+    }
+
+    /// `1 line IS`, or `3 lines ARE, the first 'x'`; nothing where there is none.
+    pub fn message(&self, is: &str, are: &str) -> Option<String> {
+        match self.count {
+            0 => None,
+            1 => Some(format!("1 line {is}: {}", self.first)),
+            count => Some(format!("{count} lines {are}; the first is {}", self.first)),
+        }
+    }
+}
+
+/// What may be a statement of a dialect. Anything else is a line of another program, or of a file of another kind.
 pub(crate) fn is_keyword(keyword: &[u8]) -> bool {
     keyword.first().is_some_and(u8::is_ascii_alphabetic)
         && keyword.iter().all(|byte| byte.is_ascii_alphanumeric() || b"_-.".contains(byte))

@@ -82,18 +82,18 @@ impl Reader<'_> {
         check_length(&table.file, at)?;
         self.scene = match self.given_base.take() {
             Some(given) => given,
-            None => self.read_base(&table.file)?,
+            None => self.read_base(&table.file, at)?,
         };
         table.strip(&mut self.scene);
         Ok(())
     }
 
-    fn read_base(&mut self, name: &str) -> Result<Scene, LoadError> {
+    fn read_base(&mut self, name: &str, at: usize) -> Result<Scene, LoadError> {
         let path = match name {
             BUILT_IN => self.sources.add_built_in(),
             _ => self.folder.join(name),
         };
-        self.sources.count_use(&path)?;
-        load::read(&path, self.sources)
+        let read = self.sources.count_use(&path).and_then(|()| load::read(&path, self.sources));
+        read.map_err(|error| self.named_at(error, &path, name, at))
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::words;
 use crate::load::{LoadError, Place};
 
 /// Where to look everything up.
@@ -37,14 +38,15 @@ impl Complaint {
         complaint
     }
 
-    /// The parser's own words, with the nearest key for an unknown one.
+    /// What the parser says, with the nearest key for an unknown one.
     pub fn from_parser(error: &toml::de::Error) -> Self {
         let message = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
-        let (read, expected) = message.split_once(", expected ").unwrap_or((&message, "a scene file in TOML"));
+        let (read, expected) = words::plain(&message);
         let mut complaint = Self::new(error.span().map_or(0, |span| span.start), read, expected);
-        let mut quoted = read.split('`').skip(1).step_by(2);
-        if let (Some(name), true) = (quoted.next(), read.starts_with("unknown ")) {
-            let known: Vec<_> = expected.split('`').skip(1).step_by(2).collect();
+        // An unknown key or word, and all that are known.
+        let mut quoted = message.split('`').skip(1).step_by(2);
+        if let (Some(name), true) = (quoted.next(), message.starts_with("unknown ")) {
+            let known: Vec<_> = quoted.collect();
             complaint.suggest(name, &known);
         }
         complaint
@@ -58,17 +60,22 @@ impl Complaint {
 
     /// The error for a file with this text.
     pub fn into_error(self, path: &Path, text: &str) -> LoadError {
-        let before = text.get(..self.at).unwrap_or(text);
-        let line = before.matches('\n').count() + 1;
-        let column = before.rsplit('\n').next().map_or(0, |line| line.chars().count()) + 1;
         LoadError::Syntax {
             path: path.to_owned(),
-            place: Place::Line(line, column),
+            place: place(text, self.at),
             read: self.read,
             expected: self.expected,
             help: self.help,
         }
     }
+}
+
+/// The line and column of an offset.
+pub fn place(text: &str, at: usize) -> Place {
+    let before = text.get(..at).unwrap_or(text);
+    let line = before.matches('\n').count() + 1;
+    let column = before.rsplit('\n').next().map_or(0, |line| line.chars().count()) + 1;
+    Place::Line(line, column)
 }
 
 /// Longest quote of a file, in characters.

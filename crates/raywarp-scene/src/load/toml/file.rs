@@ -12,7 +12,9 @@ use super::edits::{Move, Which};
 use super::place::Rows;
 use super::render::Render;
 use super::texture::Texture;
-use super::values::{Color, FieldOfView, Filter, Finite, Ior, NonNegative, PerAxis, Positive, Share, SpotAngle};
+use super::values::{
+    Color, Coordinate, FieldOfView, Filter, Finite, Ior, NonNegative, PerAxis, Positive, Share, SpotAngle,
+};
 
 /// A name, and where it stands.
 pub type Name = Spanned<String>;
@@ -61,7 +63,7 @@ pub enum Up {
 pub struct Mesh {
     pub name: Option<Name>,
     pub file: Option<Name>,
-    pub vertices: Option<Vec<Vector>>,
+    pub vertices: Option<Vec<[Coordinate; 3]>>,
     #[serde(default)]
     pub faces: Vec<Spanned<Vec<i64>>>,
     #[serde(default)]

@@ -4,8 +4,9 @@ use toml::Spanned;
 
 use super::complaint::Complaint;
 use super::file::{self, Normals};
+use super::values::Coordinate;
 use super::{Failure, Group, Reader};
-use crate::load;
+use crate::load::{self, precision::Rounding};
 use crate::{normals, Instance, Material, Mesh, Scene, Transform};
 
 /// In bytes; no system has longer ones by much.
@@ -27,7 +28,11 @@ impl Reader<'_> {
                 return Err(Complaint::new(at, "a mesh with a file and vertices", "one of them").into());
             }
         };
-        Ok(self.adopt(read, material))
+        let mut group = self.adopt(read, material);
+        if let Some(name) = &entry.name {
+            name_instances(&mut group.instances, name.get_ref());
+        }
+        Ok(group)
     }
 
     fn named_file(&mut self, entry: &file::Mesh, file: &file::Name) -> Result<Scene, Failure> {
@@ -37,8 +42,8 @@ impl Reader<'_> {
         }
         check_length(file.get_ref(), file.span().start)?;
         let path = self.folder.join(file.get_ref());
-        self.sources.count_use(&path)?;
-        let mut read = load::read(&path, self.sources)?;
+        let read = self.sources.count_use(&path).and_then(|()| load::read(&path, self.sources));
+        let mut read = read.map_err(|error| self.named_at(error, &path, file.get_ref(), file.span().start))?;
         for mesh in &mut read.meshes {
             match &entry.normals {
                 None | Some(Normals::File) => {}
@@ -61,8 +66,10 @@ impl Reader<'_> {
     }
 
     fn written_out(&mut self, entry: &file::Mesh, at: usize) -> Result<Scene, Failure> {
-        let positions: Vec<[f32; 3]> =
-            entry.vertices.iter().flatten().map(|vertex| vertex.map(|number| number.0)).collect();
+        let mut rounding = Rounding::default();
+        let rounded = |vertex: &[Coordinate; 3]| vertex.map(|number| rounding.round(number.0));
+        let positions: Vec<[f32; 3]> = entry.vertices.iter().flatten().map(rounded).collect();
+        rounding.tell(self.path, positions.iter().copied(), self.sources);
         let mut triangles = Vec::new();
         for face in &entry.faces {
             triangles.extend(fan(face, positions.len())?);
@@ -106,6 +113,14 @@ impl Reader<'_> {
         };
         let instances = read.instances.into_iter().map(instance).collect();
         Group { instances, lights: read.lights, cameras: read.cameras, paths: read.paths }
+    }
+}
+
+/// An entry's name is that of its instance. Of several, those keep theirs that their file names.
+fn name_instances(instances: &mut [Instance], name: &str) {
+    let alone = instances.len() == 1;
+    for instance in instances.iter_mut().filter(|instance| alone || instance.name.is_empty()) {
+        name.clone_into(&mut instance.name);
     }
 }
 

@@ -16,6 +16,7 @@ mod render;
 mod tests;
 mod texture;
 mod values;
+mod words;
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -23,6 +24,7 @@ use std::path::{Path, PathBuf};
 
 use self::complaint::Complaint;
 use self::file::{File, Name};
+use super::quote::file_name;
 use super::{LoadError, LoadOptions, Place, Sources};
 use crate::{Camera, CameraPath, Instance, Light, Scene, Transform};
 
@@ -92,6 +94,11 @@ fn parse(text: &str) -> Result<File, Failure> {
         return Err(Complaint::new(at, read, format!("version = {VERSION}")).into());
     }
     Ok(file)
+}
+
+/// Why a text in TOML is not what it should be, with its place; `help` is what to do.
+pub(crate) fn failure(path: &Path, text: &str, error: &::toml::de::Error, help: &str) -> LoadError {
+    Complaint { help: help.to_owned(), ..Complaint::from_parser(error) }.into_error(path, text)
 }
 
 /// Why a scene file cannot be used.
@@ -290,6 +297,15 @@ impl Reader<'_> {
                 Err(Complaint::unknown(name.span().start, "material", name.get_ref(), &known))
             }
         }
+    }
+
+    /// An error about a file as a whole, with the place where it is named.
+    fn named_at(&self, error: LoadError, path: &Path, name: &str, at: usize) -> LoadError {
+        if !error.is_about_all_of(path) {
+            return error;
+        }
+        let place = complaint::place(self.text, at);
+        LoadError::Named { path: self.path.to_owned(), place, name: file_name(name), error: Box::new(error) }
     }
 
     /// The line of an offset, from 1.

@@ -203,7 +203,7 @@ mod tests {
             (text("", ["", "up = [0, 0, 0]", ""]), "whose up is zero"),
             (text("", ["", "tme = 1", ""]), "Did you mean 'time'?"),
             (text("", [""; 3]).replace("eye = [2, 0, 0]", "eye = [0, 0, 0]"), "looks at its own place"),
-            (text("", [""; 3]).replace("eye = [2, 0, 0]", ""), "missing field `eye`"),
+            (text("", [""; 3]).replace("eye = [2, 0, 0]", ""), "the key 'eye' is missing"),
             ("version = 1\n[[paths]]\n".to_owned(), "scene.toml:2:1: a camera path of 0 keys; expected at least 2"),
             (format!("version = 1\n[[paths]]\n{KEY}eye = [1,0,0]\n"), "a camera path of 1 keys"),
             (format!("{}[[paths]]\nname = \"p\"\n", text("", [""; 3])), "a second path 'p'"),

@@ -13,7 +13,8 @@ use crate::RenderDefaults;
 #[serde(deny_unknown_fields)]
 pub struct Render {
     size: Option<[Count<1, MAX_SIDE>; 2]>,
-    spp: Option<Count<1, MAX_SPP>>,
+    #[serde(alias = "spp")]
+    samples: Option<Count<1, MAX_SPP>>,
     max_depth: Option<Count<0, MAX_DEPTH>>,
     shadows: Option<bool>,
     seed: Option<Count<0, { u32::MAX }>>,
@@ -28,7 +29,7 @@ impl Render {
     pub fn defaults(&self) -> RenderDefaults {
         RenderDefaults {
             size: self.size.map(|sides| sides.map(|side| side.0)),
-            spp: self.spp.map(|count| count.0),
+            spp: self.samples.map(|count| count.0),
             max_depth: self.max_depth.map(|count| count.0),
             shadows: self.shadows,
             seed: self.seed.map(|count| count.0),

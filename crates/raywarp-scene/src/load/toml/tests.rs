@@ -55,6 +55,34 @@ fn a_mesh_without_instances_is_placed_once_and_one_with_them_only_by_them() {
 }
 
 #[test]
+fn vertices_that_lose_digits_are_a_note() {
+    let directory = tempfile::tempdir().unwrap();
+    let far = TRIANGLE.replace("[0,0,0],[1,0,0],[0,1,0]", "[4500000.123,0,0],[4500001,0,0],[4500000,1,0]");
+    let loaded = load_in(directory.path(), &format!("version = 1\n{far}")).unwrap();
+    assert!(loaded.warnings.is_empty() && loaded.notes.len() == 1, "{:?}", loaded.notes);
+    assert!(loaded.notes[0].message.starts_with("positions lose up to 1.23e-1 scene units"), "{:?}", loaded.notes);
+    assert!(load_in(directory.path(), &format!("version = 1\n{TRIANGLE}")).unwrap().notes.is_empty());
+}
+
+#[test]
+fn a_textured_material_on_a_mesh_without_uvs_is_its_plain_colour() {
+    let directory = tempfile::tempdir().unwrap();
+    image::RgbaImage::new(1, 1).save(directory.path().join("a.png")).unwrap();
+    let material = "[[materials]]\nname = \"m\"\ndiffuse = [1, 0, 0]\ndiffuse_map = \"a.png\"\n";
+    let instance = "[[instances]]\nmesh = \"t\"\nmaterial = \"m\"\n";
+    let loaded = load_in(directory.path(), &format!("version = 1\n{TRIANGLE}{material}{instance}")).unwrap();
+    let shown = loaded.scene.instances[0].material.unwrap() as usize;
+    assert_eq!(
+        (loaded.scene.materials[shown].diffuse, loaded.scene.materials[shown].diffuse_map),
+        ([1.0, 0.0, 0.0], None)
+    );
+    assert_eq!(
+        loaded.warnings[0].message,
+        "the mesh 't' has no coordinates for the textures of the material 'm', which shows its plain colour there"
+    );
+}
+
+#[test]
 fn polygons_are_cut_into_triangles() {
     let text = "version = 1\n[[meshes]]\nvertices = [[0,0,0],[1,0,0],[1,1,0],[0,1,0]]\nfaces = [[0,1,2,3]]\n";
     assert_eq!(scene(text).meshes[0].triangles, [[0, 1, 2], [0, 2, 3]]);
@@ -150,12 +178,12 @@ fn few_lines_cannot_name_endlessly_much() {
 #[test]
 fn errors_say_where_what_and_what_instead() {
     let cases = [
-        ("", "scene.toml:1:1: missing field `version`"),
+        ("", "scene.toml:1:1: the key 'version' is missing"),
         ("version = 2", "scene.toml:1:11: version 2; expected version = 1."),
         ("version = 1\n[[meshs]]\n", "Did you mean 'meshes'?"),
-        ("version = 1\n[[meshes]]\nfiel = 3\n", "scene.toml:3:1: unknown field `fiel`"),
-        ("version = 1\nambient = nan\n", "scene.toml:2:11: invalid value: floating point `NaN`"),
-        ("version = 1\nambient = [1, 2]\n", "scene.toml:2:11: invalid length 2; expected a colour"),
+        ("version = 1\n[[meshes]]\nfiel = 3\n", "scene.toml:3:1: the unknown key 'fiel'"),
+        ("version = 1\nambient = nan\n", "scene.toml:2:11: the number NaN;"),
+        ("version = 1\nambient = [1, 2]\n", "scene.toml:2:11: an array of 2; expected a colour"),
         ("version = 1\nambient = -1\n", "expected a number from 0 to 1e12"),
         ("version = 1\nambient = 1e300\n", "expected a number from 0 to 1e12"),
         ("version = 1\nambient = \"#12345\"\n", "expected a colour"),
@@ -186,13 +214,97 @@ fn errors_in_meshes_and_instances_say_where() {
         ("[[meshes]]\nvertices = [[0,0,0]]\nfaces = [[0,1,2]]\n", "the vertex index 1; expected one from 0 to 0"),
         ("[[meshes]]\nvertices = [[0,0,0]]\nfaces = [[0,0]]\n", "a face of 2 vertices; expected at least 3"),
         ("[[meshes]]\nvertices = [[0,0,inf]]\nfaces = [[0,0,0]]\n", "expected a number between"),
-        ("[[meshes]]\nfile = \"none.obj\"\n", "cannot read /none.obj"),
+        ("[[meshes]]\nfile = \"none.obj\"\n", "scene.toml:7:8 names none.obj: cannot read /none.obj: No such file"),
+        ("[[meshes]]\nfile = \"none.xyz\"\n", "scene.toml:7:8 names none.xyz: /none.xyz: the scene format '.xyz'"),
         ("[[meshes]]\nname = \"t\"\nfile = \"none.obj\"\n", "a second mesh 't'"),
     ];
     for (text, expected) in cases {
         let error = error(&format!("version = 1\n{TRIANGLE}{text}"));
         assert!(error.contains(expected), "{text:?}: {error}");
     }
+}
+
+#[test]
+fn no_message_speaks_of_the_program() {
+    let wrong = ["3", "1.5", "true", "\"x\"", "[]", "[[1]]", "{}", "{ a = 1 }", "1979-05-27", "-7", "99999999999"];
+    let keys = [
+        "version",
+        "base",
+        "up",
+        "background",
+        "ambient",
+        "meshes",
+        "instances",
+        "moves",
+        "materials",
+        "lights",
+        "cameras",
+        "paths",
+        "render",
+    ];
+    let within = [
+        ("meshes", "name file vertices faces uvs normals material lights cameras"),
+        ("instances", "mesh name translate rotate scale matrix material"),
+        ("moves", "instance translate rotate scale matrix"),
+        (
+            "materials",
+            "name replaces diffuse shininess reflection ior fresnel opacity alpha unlit diffuse_map normal_map",
+        ),
+        ("lights", "name kind position color intensity attenuation range inner"),
+        ("cameras", "name eye target fov height"),
+        ("paths", "name closed duration keys"),
+        ("render", "size samples spp max_depth shadows seed exposure tone_map accel tree"),
+    ];
+    let top = keys.iter().map(|key| format!("{key} = "));
+    let inner = within.iter().flat_map(|(table, keys)| {
+        let head = if *table == "render" { "[render]".to_owned() } else { format!("[[{table}]]") };
+        keys.split(' ').map(move |key| format!("{head}\n{key} = ")).collect::<Vec<_>>()
+    });
+    let directory = tempfile::tempdir().unwrap();
+    for start in top.chain(inner) {
+        for value in wrong {
+            let version = if start.starts_with("version") { "" } else { "version = 1\n" };
+            let Err(error) = load_in(directory.path(), &format!("{version}{start}{value}\n")) else { continue };
+            let said = error.to_string();
+            let words = [
+                "struct",
+                "i64",
+                "u32",
+                "f32",
+                "invalid type",
+                "invalid value",
+                "sequence",
+                "`",
+                "variant",
+                "field",
+                "enum",
+                "map,",
+                "tuple",
+            ];
+            // Whole words: a camera has a field of view.
+            let said = said.replace("field of view", "");
+            assert!(!words.iter().any(|word| said.contains(word)), "{start}{value}: {said}");
+        }
+    }
+}
+
+#[test]
+fn a_mesh_with_a_name_gives_it_to_its_instance() {
+    let directory = tempfile::tempdir().unwrap();
+    let triangle = |name: &str| format!("o {name}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n");
+    std::fs::write(directory.path().join("one.obj"), triangle("a")).unwrap();
+    std::fs::write(directory.path().join("two.obj"), triangle("a") + &triangle("b")).unwrap();
+    let mesh = |name: &str, file: &str| format!("[[meshes]]\nname = \"{name}\"\nfile = \"{file}\"\n");
+    let text = format!(
+        "version = 1\n{}{}[[meshes]]\nfile = \"one.obj\"\n{}[[instances]]\nmesh = \"chair\"\nname = \"mine\"\n\
+         [[instances]]\nmesh = \"chair\"\n",
+        mesh("floor", "one.obj"),
+        mesh("house", "two.obj"),
+        mesh("chair", "one.obj"),
+    );
+    let scene = load_in(directory.path(), &text).unwrap().scene;
+    let names: Vec<_> = scene.instances.iter().map(|instance| instance.name.as_str()).collect();
+    assert_eq!(names, ["mine", "chair", "floor", "a", "b", "a"]);
 }
 
 #[test]

@@ -31,6 +31,8 @@ macro_rules! numbers {
 numbers! {
     /// Any number that can be computed with.
     Finite(f32), "a number between -1e12 and 1e12", |x| x.abs() <= LARGEST;
+    /// A coordinate of a vertex, as it is written.
+    Coordinate(f64), "a number between -1e12 and 1e12", |x| x.abs() <= LARGEST;
     /// Zero or more.
     NonNegative(f32), "a number from 0 to 1e12", |x| (0.0..=LARGEST).contains(&x);
     /// More than zero.

@@ -34,7 +34,7 @@ pub struct Shown<'a> {
 }
 
 /// What the panel changes: the same, in the hands of one who may.
-pub struct Desk<'a> {
+pub struct CommandContext<'a> {
     /// The viewer's options.
     pub look: &'a mut Look,
     /// Those that nobody has changed.
@@ -92,7 +92,7 @@ pub fn panel(shown: &Shown) -> Panel {
     Panel { sections }
 }
 
-impl Desk<'_> {
+impl CommandContext<'_> {
     /// Gives the value of a row.
     ///
     /// # Errors

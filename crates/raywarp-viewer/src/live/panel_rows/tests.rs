@@ -5,7 +5,7 @@ use raywarp::accel::{AccelKind, Build, Quality};
 use raywarp::render::framing;
 use raywarp::scene::{Camera, Instance, Light, Material, Mesh, Projection, Scene, Transform};
 
-use super::{panel, Desk, Effect, Shown};
+use super::{panel, CommandContext, Effect, Shown};
 use crate::live::camera_control::CameraControl;
 use crate::live::edits::{Edits, Touched};
 use crate::live::keys::Action;
@@ -81,14 +81,14 @@ impl Bench {
         self.rows().into_iter().find(|row| row.id == id).unwrap_or_else(|| panic!("no row {id}"))
     }
 
-    fn with<T>(&mut self, work: impl FnOnce(&mut Desk) -> T) -> T {
+    fn with<T>(&mut self, work: impl FnOnce(&mut CommandContext) -> T) -> T {
         let Self { look, usual, tree, camera, edits, .. } = self;
-        work(&mut Desk { look, usual, tree: *tree, camera: Some(camera), edits: Some(edits) })
+        work(&mut CommandContext { look, usual, tree: *tree, camera: Some(camera), edits: Some(edits) })
     }
 
     /// As the viewer will: a wish for a structure is fulfilled at once.
     fn set(&mut self, id: &str, value: Value) -> Result<Effect, String> {
-        let effect = self.with(|desk| desk.set(id, &value));
+        let effect = self.with(|context| context.set(id, &value));
         if let Ok(Effect::Build(build)) = effect {
             self.tree[0] = build;
         }
@@ -96,7 +96,7 @@ impl Bench {
     }
 
     fn reset(&mut self, id: &str) -> Vec<Effect> {
-        let effects = self.with(|desk| desk.reset(id));
+        let effects = self.with(|context| context.reset(id));
         for effect in &effects {
             if let Effect::Build(build) = effect {
                 self.tree[0] = *build;
@@ -219,8 +219,13 @@ fn what_cannot_be_is_refused_with_a_sentence() {
     }
     assert_eq!(bench.panel(), before);
     let mut look = Look::default();
-    let mut early =
-        Desk { look: &mut look, usual: &Look::default(), tree: [Build::default(); 2], camera: None, edits: None };
+    let mut early = CommandContext {
+        look: &mut look,
+        usual: &Look::default(),
+        tree: [Build::default(); 2],
+        camera: None,
+        edits: None,
+    };
     assert_eq!(early.set("camera.fov", &Value::Number(40.0)), Err("there is no scene yet".to_owned()));
     assert_eq!(early.set("light.0.on", &Value::Flag(true)), Err("there is no scene yet".to_owned()));
 }

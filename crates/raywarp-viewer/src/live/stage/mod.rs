@@ -72,6 +72,17 @@ impl Default for StageOptions {
     }
 }
 
+/// Changes whenever what a stage tells may have changed: two that are equal tell the same.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StageVersion {
+    chosen: Option<Build>,
+    generation: u64,
+    edition: u64,
+    trees: u64,
+    told: u64,
+    busy: Option<String>,
+}
+
 /// The scene, from the first byte read.
 pub struct Stage {
     source: Source,
@@ -212,6 +223,12 @@ impl Stage {
         }
     }
 
+    /// What status and panel of a viewer that has not changed itself depend on.
+    pub fn version(&self) -> StageVersion {
+        let (generation, edition, trees, told) = (self.generation, self.edition, self.trees, self.told);
+        StageVersion { chosen: self.chosen, generation, edition, trees, told, busy: self.busy() }
+    }
+
     /// Why there is no scene and none is coming: once.
     pub fn take_failure(&mut self) -> Option<ViewerError> {
         self.error.take_if(|_| self.ready.is_none())
@@ -220,6 +237,11 @@ impl Stage {
     /// The last thing that went wrong, if any has since this was asked: with a scene on show it is a notice too.
     pub fn take_error(&mut self) -> Option<ViewerError> {
         self.error.take()
+    }
+
+    /// The files of the scene that is shown, missing ones included.
+    pub(crate) fn files(&self) -> &[PathBuf] {
+        self.ready().map(|ready| ready.files.as_slice()).unwrap_or_default()
     }
 
     pub(super) fn ready(&self) -> Option<&Ready> {

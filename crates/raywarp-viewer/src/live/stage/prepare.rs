@@ -79,7 +79,7 @@ impl Order {
     }
 
     fn set_up(self, loaded: Loaded) -> Result<Ready, ViewerError> {
-        let Loaded { mut scene, warnings, files } = loaded;
+        let Loaded { mut scene, warnings, files, .. } = loaded;
         let read = scene.outline();
         let edits = match self.edits {
             Some(mut edits) => {

@@ -118,11 +118,15 @@ impl Stage {
         let edited = ready.edits.scene();
         for touched in touched {
             match *touched {
-                Touched::Lights => ready.tracer.set_lights(edited),
+                Touched::Lights => {
+                    if !ready.tracer.set_lights(edited) {
+                        ready.tracer.set_materials(&edited.materials, &ready.scene.images)?;
+                    }
+                }
                 Touched::Materials => {
-                    let known = ready.tracer.set_materials(&edited.materials, &ready.scene.images)?;
                     // Whether the built-in lights are needed depends on what glows.
                     ready.tracer.set_lights(edited);
+                    let known = ready.tracer.set_materials(&edited.materials, &ready.scene.images)?;
                     self.motion.stale |= !known;
                     self.motion.materials += 1;
                 }

@@ -1,12 +1,11 @@
 //! What events do: to the camera, the options, the scene.
 
-use raywarp::image::{png, Rgb8};
-
 use super::{Lacks, Viewer, MOST};
 use crate::live::edits::Touched;
+use crate::live::export::{Content, Export, Ticket};
 use crate::live::keys::{self, Action};
 use crate::live::look::Changed;
-use crate::live::panel_rows::{Desk, Effect};
+use crate::live::panel_rows::{CommandContext, Effect};
 use crate::live::pick::{self, Pick};
 use crate::live::stage::Ready;
 use crate::live::{Button, Event, Notice, Outcome, Stage};
@@ -34,12 +33,12 @@ impl Viewer {
                 self.size = [*width, *height].map(|side| side.clamp(1, MOST));
                 self.ask(Lacks::Everything);
             }
-            Event::Set { id, value } => match self.at_desk(stage, |desk| desk.set(id, value)) {
+            Event::Set { id, value } => match self.with_context(stage, |context| context.set(id, value)) {
                 Ok(effect) => return self.see_to(stage, effect),
                 Err(why) => self.refuse(why),
             },
             Event::Reset { id } => {
-                let effects = self.at_desk(stage, |desk| desk.reset(id));
+                let effects = self.with_context(stage, |context| context.reset(id));
                 return effects.into_iter().flat_map(|effect| self.see_to(stage, effect)).collect();
             }
             _ => return self.point_or_press(stage, event),
@@ -109,10 +108,10 @@ impl Viewer {
         }
     }
 
-    fn at_desk<T>(&mut self, stage: &mut Stage, work: impl FnOnce(&mut Desk) -> T) -> T {
+    fn with_context<T>(&mut self, stage: &mut Stage, work: impl FnOnce(&mut CommandContext) -> T) -> T {
         let tree = stage.builds();
         let (camera, edits) = (self.control.as_mut(), stage.edits_mut());
-        work(&mut Desk { look: &mut self.look, usual: &self.usual, tree, camera, edits })
+        work(&mut CommandContext { look: &mut self.look, usual: &self.usual, tree, camera, edits })
     }
 
     /// Sees to what remains to be done after a change.
@@ -197,21 +196,32 @@ impl Viewer {
     }
 
     fn screenshot(&mut self) -> Option<Outcome> {
-        let picture = self.shelf.shown()?;
-        let pixels = picture.rgba.chunks_exact(4).map(|p| [p[0], p[1], p[2]]).collect();
-        let [width, height] = picture.size;
-        match png::encode(&Rgb8 { width, height, pixels }) {
-            Ok(content) => Some(Outcome::File { name: "raywarp.png".to_owned(), content, media_type: "image/png" }),
-            Err(error) => (self.refuse(error), None).1,
-        }
+        let picture = self.frames.shown()?;
+        let ticket = self.ticket()?;
+        let content = Content::Picture(picture);
+        Some(Outcome::File(Export { name: "raywarp.png".to_owned(), media_type: "image/png", content, ticket }))
     }
 
     fn save(&mut self, stage: &Stage) -> Option<Outcome> {
         let (ready, camera) = (stage.ready()?, self.camera()?.clone());
-        match super::save::scene_file(stage, ready, &self.look, camera, self.size) {
-            Ok(outcome) => Some(outcome),
-            Err(error) => (self.refuse(error), None).1,
+        let ticket = self.ticket()?;
+        Some(Outcome::File(super::save::scene_file(stage, ready, &self.look, camera, self.size, ticket)))
+    }
+
+    /// For the next file, if none is on its way.
+    fn ticket(&mut self) -> Option<Ticket> {
+        if self.exported.strong_count() > 0 {
+            self.refuse("the last file is still on its way: ask again once it is there");
+            return None;
         }
+        let (ticket, watched) = Ticket::new();
+        self.exported = watched;
+        Some(ticket)
+    }
+
+    /// Tells that a file could not be made.
+    pub fn export_failed(&mut self, why: impl ToString) {
+        self.refuse(why);
     }
 
     /// Tells why something was not done.

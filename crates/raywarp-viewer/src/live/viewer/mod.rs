@@ -1,10 +1,11 @@
 //! One pair of eyes on the stage: camera, options, picture.
 
+mod frame_pool;
 mod input;
 mod rendering;
 mod save;
-mod shelf;
 
+use std::sync::Weak;
 use std::time::Duration;
 
 use raywarp::accel::TreeBox;
@@ -23,7 +24,7 @@ use super::pointer::Clicks;
 use super::stage::Ready;
 use super::{Legend, Notice, Panel, Stage, Status};
 
-use shelf::Shelf;
+use frame_pool::FramePool;
 
 /// Pixels to show.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -66,10 +67,12 @@ pub struct Viewer {
     moved: Option<Duration>,
     last: Option<Duration>,
     staging: Staging<u32>,
-    shelf: Shelf,
+    frames: FramePool,
     meter: Meter,
     legend: Option<Legend>,
     notice: Option<Notice>,
+    /// Of the last file that was asked for.
+    exported: Weak<()>,
     /// Notices of the stage that were there when something was done after them.
     read: u64,
 }
@@ -109,10 +112,11 @@ impl Viewer {
             moved: None,
             last: None,
             staging: Staging::default(),
-            shelf: Shelf::default(),
+            frames: FramePool::default(),
             meter: Meter::default(),
             legend: None,
             notice: None,
+            exported: Weak::new(),
             read: 0,
         }
     }

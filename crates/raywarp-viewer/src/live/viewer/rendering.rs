@@ -55,7 +55,7 @@ impl Viewer {
             None => self.refine(&ready.tracer, &camera)?,
         };
         self.meter.end();
-        Ok(Some(self.shelf.show(picture)))
+        Ok(Some(self.frames.show(picture)))
     }
 
     /// Lets held keys move the camera; whether it moves, or has just done so.
@@ -66,7 +66,7 @@ impl Viewer {
         if control.step(dt) {
             self.restart();
         }
-        if self.lacks == Lacks::Everything && self.shelf.shown().is_some() && self.moved.is_none() {
+        if self.lacks == Lacks::Everything && self.frames.shown().is_some() && self.moved.is_none() {
             self.moved = Some(now);
         }
         held || self.moved.is_some_and(|moved| now.saturating_sub(moved) < REST)
@@ -153,7 +153,7 @@ impl Viewer {
     fn fetch(&mut self, tracer: &Tracer, camera: &Camera, film: &Film, settled: bool) -> Result<Picture, ViewerError> {
         self.meter.fetching();
         self.staging.fetch(tracer.device(), film.screen())?;
-        let mut rgba = self.shelf.bytes(&self.staging);
+        let mut rgba = self.frames.bytes(&self.staging);
         self.meter.fetched();
         if let Some(level) = self.look.boxes {
             let boxes = match self.boxes.take() {

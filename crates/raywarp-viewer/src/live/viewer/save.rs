@@ -1,29 +1,17 @@
 //! The scene as it is shown, as a scene file.
 
-use std::path::PathBuf;
-
 use raywarp::render::RenderOptions;
-use raywarp::scene::save::{self, Original, SaveError};
 use raywarp::scene::{Camera, RenderDefaults};
 
+use crate::live::export::{Content, EditedScene, Export, Ticket};
 use crate::live::look::Look;
 use crate::live::stage::Ready;
-use crate::live::{Outcome, Stage};
+use crate::live::Stage;
 
 /// A file to be kept in the folder that the program was started in, from where it names the original: edits, options, and
 /// the camera first of all.
-pub fn scene_file(
-    stage: &Stage,
-    ready: &Ready,
-    look: &Look,
-    camera: Camera,
-    size: [u32; 2],
-) -> Result<Outcome, SaveError> {
-    let path = stage.source().path.as_deref();
-    let original = match path {
-        Some(path) => Original::File { path, files: &ready.files },
-        None => Original::BuiltIn,
-    };
+pub fn scene_file(stage: &Stage, ready: &Ready, look: &Look, camera: Camera, size: [u32; 2], ticket: Ticket) -> Export {
+    let path = stage.source().path.clone();
     let mut now = ready.edits.scene().clone();
     if now.cameras.first() != Some(&camera) {
         now.cameras.insert(0, camera);
@@ -39,9 +27,9 @@ pub fn scene_file(
         ..look.wishes(&Look::of(&ready.read.render))
     };
     now.render = chosen.or(&now.render);
-    let name = name(path.and_then(|path| path.file_stem()).map(|stem| stem.to_string_lossy().into_owned()));
-    let text = save::to_toml(&original, &ready.read, &now, &PathBuf::from(&name))?;
-    Ok(Outcome::File { name, content: text.into_bytes(), media_type: "application/toml" })
+    let name = name(path.as_ref().and_then(|path| path.file_stem()).map(|stem| stem.to_string_lossy().into_owned()));
+    let scene = EditedScene { path, files: ready.files.clone(), read: ready.read.clone(), now };
+    Export { name, media_type: "application/toml", content: Content::Scene(Box::new(scene)), ticket }
 }
 
 /// After the original, but never its own.

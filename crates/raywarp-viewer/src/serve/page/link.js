@@ -1,5 +1,7 @@
 // The WebSocket: says hello, keeps trying, and tells apart why it was closed. See the server's `protocol`.
 
+import { forgetSecret, keepSecret, secret } from "./secret.js";
+
 const PROTOCOL = 1;
 const TOKEN = 4001;
 const FULL = 4002;
@@ -16,12 +18,15 @@ export class Link {
     this.on = on;
     this.wait = FIRST_WAIT;
     this.words = "";
-    this.token = tokenOfAddress();
+    this.token = secret();
+    // An address that differs only behind the `#` does not load the page again.
+    addEventListener("hashchange", () => this.open(secret()));
     this.connect();
   }
 
   connect() {
     clearTimeout(this.timer);
+    this.leave();
     this.words = "";
     const address = new URL("live", location.href);
     address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
@@ -36,6 +41,13 @@ export class Link {
     socket.onclose = (event) => this.closed(event);
     this.socket = socket;
     this.greeted = false;
+  }
+
+  /// Ends the connection before this one; nobody hears of it.
+  leave() {
+    if (!this.socket) return;
+    this.socket.onopen = this.socket.onmessage = this.socket.onclose = null;
+    this.socket.close();
   }
 
   take(data) {
@@ -73,6 +85,7 @@ export class Link {
     if (this.old || event.code === VERSION) return;
     const words = this.words || event.reason;
     if (event.code === TOKEN) {
+      forgetSecret();
       this.on.state("refused", words);
       this.on.token(words);
       return;
@@ -89,6 +102,7 @@ export class Link {
   /// Tries another token.
   open(token) {
     this.token = token;
+    keepSecret(token);
     this.connect();
   }
 
@@ -103,10 +117,4 @@ export class Link {
   send(message) {
     if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
   }
-}
-
-/// What follows the `#` never leaves the browser; the query is for links that lost it.
-function tokenOfAddress() {
-  const after = new URLSearchParams(location.hash.slice(1)).get("token");
-  return after ?? new URLSearchParams(location.search).get("token") ?? "";
 }

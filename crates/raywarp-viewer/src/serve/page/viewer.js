@@ -24,7 +24,17 @@ shared.resetStats = () => stats.reset();
 const overlays = { status: true, help: false, panel: false };
 const wanted = { status: null, help: false, panel: false };
 
+const small = matchMedia("(max-width: 560px), (max-height: 420px)");
+
+/// Shows an overlay or hides it. A small window has room for one.
 function toggle(name, shown = !overlays[name]) {
+  if (shown && small.matches) {
+    Object.keys(overlays).filter((other) => other !== name && overlays[other]).forEach((other) => put(other, false));
+  }
+  put(name, shown);
+}
+
+function put(name, shown) {
   overlays[name] = shown;
   byId(name).hidden = !shown || (name === "status" && shared.status === null);
   byId(`toggle-${name}`).setAttribute("aria-pressed", String(shown));
@@ -47,6 +57,7 @@ function size() {
 const picture = new Picture(canvas, {
   shown(head, isNew) {
     link.send({ type: "ack", frame: head.frame });
+    shared.first_picture_ms ??= performance.now();
     if (isNew) stats.drawn(head.mark);
   },
   received: (frame, bytes) => link.send({ type: "received", frame, bytes }),

@@ -2,12 +2,12 @@
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 
 use raywarp_kernels::traverse::bvh2::Node;
 use raywarp_kernels::triangle::Triangle;
+use tempfile::NamedTempFile;
 
 use super::{file, Cache, CacheError};
 use crate::accel::bvh2::Bvh2;
@@ -20,9 +20,6 @@ const UNFINISHED: &str = "part";
 
 /// After this a file still unfinished was given up.
 const GIVEN_UP: Duration = Duration::from_secs(3600);
-
-/// Tells the files apart that this process writes.
-static WRITTEN: AtomicU64 = AtomicU64::new(0);
 
 impl Cache {
     fn path(&self, key: u128) -> PathBuf {
@@ -54,14 +51,19 @@ impl Cache {
     fn put(&self, key: u128, bytes: &[u8]) -> io::Result<()> {
         fs::create_dir_all(&self.directory)?;
         self.make_room(bytes.len() as u64);
-        let turn = WRITTEN.fetch_add(1, Ordering::Relaxed);
-        let unfinished = self.directory.join(format!("{key:032x}-{}-{turn}.{UNFINISHED}", std::process::id()));
-        let written = write_new(&unfinished, bytes).and_then(|()| fs::rename(&unfinished, self.path(key)));
-        if written.is_err() {
-            // Half a file on a full disk helps nobody.
-            let _ = fs::remove_file(&unfinished);
-        }
-        written
+        // It goes if it is not renamed: half a file on a full disk helps nobody.
+        let mut unfinished = self.unfinished(key)?;
+        unfinished.write_all(bytes)?;
+        unfinished.persist(self.path(key)).map(drop).map_err(|failed| failed.error)
+    }
+
+    /// A new file under a name that nobody can guess.
+    fn unfinished(&self, key: u128) -> io::Result<NamedTempFile> {
+        let mut options = OpenOptions::new();
+        options.read(true).write(true).create_new(true);
+        let (prefix, suffix) = (format!("{key:032x}-"), format!(".{UNFINISHED}"));
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&prefix).suffix(&suffix).rand_bytes(12).make_in(&self.directory, |path| options.open(path))
     }
 
     /// Removes what was not used for the longest time until `more` bytes fit. Files that cannot be removed, or that another
@@ -78,10 +80,6 @@ impl Cache {
             }
         }
     }
-}
-
-fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    OpenOptions::new().write(true).create_new(true).open(path)?.write_all(bytes)
 }
 
 /// A file of the cache. Others in the directory are not ours to touch.

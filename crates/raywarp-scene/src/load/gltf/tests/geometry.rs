@@ -1,4 +1,5 @@
 use super::*;
+use crate::{NormalMap, UvSet};
 
 const BYTE: u32 = 5120;
 const UBYTE: u32 = 5121;
@@ -39,7 +40,10 @@ fn indices_of_all_types_and_modes_are_read() {
 fn points_and_lines_are_one_warning() {
     let primitives =
         format!(r#"{{"attributes":{{"POSITION":0}},"mode":0}},{{"attributes":{{"POSITION":0}},"mode":3}},{PRIMITIVE}"#);
-    assert_eq!(warnings(&file(&[triangle_positions()], &primitives, "")), ["points and lines are left out"]);
+    assert_eq!(
+        warnings(&file(&[triangle_positions()], &primitives, "")),
+        ["2 primitives of points or lines are left out"]
+    );
 }
 
 #[test]
@@ -130,36 +134,58 @@ fn positions_that_are_not_finite_drop_their_triangles() {
 }
 
 #[test]
-fn the_base_color_texture_picks_the_coordinates() {
-    let pieces =
-        [triangle_positions(), (FLOAT, "VEC2", 3, floats(&[0.0; 6]), ""), (FLOAT, "VEC2", 3, floats(&[1.0; 6]), "")];
-    let primitive = r#"{"attributes":{"POSITION":0,"TEXCOORD_0":1,"TEXCOORD_1":2},"material":0}"#;
-    let pbr = |more: &str| {
-        format!(
-            r#","materials":[{{"name":"m","pbrMetallicRoughness":{{"baseColorTexture":{{"index":0{more}}}}},
-            "emissiveTexture":{{"index":0,"texCoord":1}}}}],"textures":[{{}}]"#
-        )
+fn two_sets_of_texture_coordinates_are_kept() {
+    let set = |value: f32| -> Piece { (FLOAT, "VEC2", 3, floats(&[value; 6]), "") };
+    let pieces = [triangle_positions(), set(0.0), set(1.0), set(0.5), set(0.25)];
+    let primitive =
+        r#"{"attributes":{"POSITION":0,"TEXCOORD_0":1,"TEXCOORD_1":2,"TEXCOORD_2":3,"TEXCOORD_3":4},"material":0}"#;
+    let read = |base: &str, emissive: &str, normal: &str| {
+        let material = format!(
+            r#","materials":[{{"name":"m","pbrMetallicRoughness":{{"baseColorTexture":{{"index":0{base}}}}},"emissiveFactor":
+            [1,1,1],"emissiveTexture":{{"index":0{emissive}}},"normalTexture":{{"index":0{normal}}}}}],"textures":[{{"source":0}}],
+            "images":[{{"uri":"data:image/png;base64,{}"}}]"#,
+            base64(&one_texel())
+        );
+        load_json(&file(&pieces, primitive, &material))
     };
-    let second = load_json(&file(&pieces, primitive, &pbr(r#","texCoord":1"#)));
-    assert_eq!(second.scene.meshes[0].uvs, [[1.0, 0.0]; 3]);
-    let transformed = r#","extensions":{"KHR_texture_transform":{"texCoord":1}}"#;
-    assert_eq!(load_json(&file(&pieces, primitive, &pbr(transformed))).scene.meshes[0].uvs, [[1.0, 0.0]; 3]);
-    let mixed = load_json(&file(&pieces, primitive, &pbr("")));
-    assert_eq!(mixed.scene.meshes[0].uvs, [[0.0, 1.0]; 3]);
-    assert_eq!(mixed.warnings[1].message, "material 'm' uses several sets of texture coordinates: all use TEXCOORD_0");
+    let sets = |loaded: &Loaded| {
+        let material = &loaded.scene.materials[0];
+        let Some(NormalMap::Tangent { texture: normal, .. }) = material.normal_map else { panic!("a normal map") };
+        [material.diffuse_map, material.emission_map, Some(normal)].map(|map| map.unwrap().uv_set)
+    };
+    let (one, both) = (read("", "", ""), read("", r#","texCoord":1"#, ""));
+    assert_eq!((one.scene.meshes[0].uvs[0], one.scene.meshes[0].second_uvs.len()), ([0.0, 1.0], 0));
+    assert_eq!((both.scene.meshes[0].uvs[0], both.scene.meshes[0].second_uvs[0]), ([0.0, 1.0], [1.0, 0.0]));
+    assert_eq!(sets(&both), [UvSet::First, UvSet::Second, UvSet::First]);
+    let transformed = read(r#","extensions":{"KHR_texture_transform":{"texCoord":1}}"#, "", "");
+    assert_eq!(sets(&transformed), [UvSet::Second, UvSet::First, UvSet::First]);
+
+    let others = read(r#","texCoord":3"#, r#","texCoord":2"#, r#","texCoord":3"#);
+    assert_eq!((others.scene.meshes[0].uvs[0], others.scene.meshes[0].second_uvs[0]), ([0.25, 0.75], [0.5, 0.5]));
+    assert_eq!((sets(&others), others.warnings.len()), ([UvSet::First, UvSet::Second, UvSet::First], 0));
+    let many = read("", r#","texCoord":2"#, r#","texCoord":3"#);
+    assert_eq!(
+        many.warnings[0].message,
+        "material 'm' uses 3 sets of texture coordinates: all but two are taken for TEXCOORD_0"
+    );
+}
+
+/// A picture.
+fn one_texel() -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image::RgbImage::new(1, 1).write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    bytes.into_inner()
 }
 
 #[test]
-fn morphs_skins_and_animations_are_one_warning_each() {
-    let json = triangle(r#","skins":[{"joints":[0]}],"animations":[{"channels":[],"samplers":[]}]"#)
-        .replace(r#""nodes":[{"mesh":0}]"#, r#""nodes":[{"mesh":0,"skin":0}]"#)
-        .replace(PRIMITIVE, r#"{"attributes":{"POSITION":0},"targets":[{"POSITION":0}]}"#);
-    assert_eq!(
-        warnings(&json),
-        [
-            "1 animations are not played: the rest pose is shown",
-            "morph targets are not applied: the base shape is shown",
-            "skins are not applied: skinned meshes stand as modelled"
-        ]
-    );
+fn colors_of_vertices_are_from_zero_to_one() {
+    let colors: Piece = (FLOAT, "VEC3", 3, floats(&[5.0, -1.0, f32::NAN, 0.5, 1.0, 0.0, 1.0, 1.0, 1.0]), "");
+    let json = file(&[triangle_positions(), colors], r#"{"attributes":{"POSITION":0,"COLOR_0":1}}"#, "");
+    assert_eq!(scene(&json).meshes[0].colors[..2], [[1.0, 0.0, 0.0, 1.0], [0.5, 1.0, 0.0, 1.0]]);
+}
+
+#[test]
+fn animations_are_one_warning() {
+    let json = triangle(r#","animations":[{"channels":[],"samplers":[]},{"channels":[],"samplers":[]}]"#);
+    assert_eq!(warnings(&json), ["2 animations are not played: the rest pose is shown"]);
 }

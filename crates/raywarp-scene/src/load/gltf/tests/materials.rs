@@ -1,6 +1,14 @@
 use super::*;
 use crate::{AlphaMode, Filter, Material, NormalMap, Wrap};
 
+/// A picture of one texel.
+fn plain(texel: [u8; 3]) -> Vec<u8> {
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let image = image::RgbImage::from_raw(1, 1, texel.to_vec()).unwrap();
+    image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    bytes.into_inner()
+}
+
 /// A picture of 2 by 1 texels: white, then (0, 128, 255).
 fn picture() -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
@@ -15,7 +23,8 @@ fn with_material(material: &str) -> String {
         r#","materials":[{material}],"images":[{{"uri":"{uri}"}}],
         "samplers":[{{"magFilter":9728,"wrapS":33071,"wrapT":33648}}],"textures":[{{"source":0}},{{"source":0,"sampler":0}}]"#
     );
-    triangle(&more).replace(PRIMITIVE, r#"{"attributes":{"POSITION":0},"material":0}"#)
+    let uvs: Piece = (FLOAT, "VEC2", 3, floats(&[0.0; 6]), "");
+    file(&[triangle_positions(), uvs], r#"{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}"#, &more)
 }
 
 fn material(json: &str) -> Material {
@@ -125,6 +134,7 @@ fn pictures_in_views_are_read() {
     let length = png.len();
     let json = with_material(r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}"#)
         .replace(r#""bufferViews":["#, &format!(r#""bufferViews":[{{"buffer":1,"byteLength":{length}}},"#))
+        .replace(r#"{"bufferView":1"#, r#"{"bufferView":2"#)
         .replace(r#"{"bufferView":0"#, r#"{"bufferView":1"#)
         .replace(
             r#"}],"bufferViews""#,
@@ -147,6 +157,73 @@ fn a_missing_picture_is_a_warning_and_a_checker() {
 }
 
 #[test]
+fn a_picture_on_the_web_is_a_warning_and_a_checker() {
+    let json = with_material(r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}"#);
+    let picture = format!("data:image/png;base64,{}", base64(&picture()));
+    let loaded = load_json(&json.replace(&picture, "https://example.org/a.png"));
+    let message = &loaded.warnings[0].message;
+    assert!(message.contains("the scheme 'https' in the URI of images[0] is not supported"), "{message}");
+    assert!(loaded.scene.materials[0].diffuse_map.is_some());
+    let broken = load_json(&json.replace(&picture, "data:image/png;base64,!"));
+    assert!(broken.warnings[0].message.contains("expected base64"), "{:?}", broken.warnings);
+}
+
+#[test]
+fn missing_pictures_of_numbers_count_as_absent() {
+    let without = |json: &str| {
+        let json = with_material(json);
+        load_json(&json.replace(&format!("data:image/png;base64,{}", base64(&picture())), "none.png"))
+    };
+    let rough = without(r#"{"pbrMetallicRoughness":{"metallicRoughnessTexture":{"index":0},"roughnessFactor":0.5}}"#);
+    let plain = material(r#"{"pbrMetallicRoughness":{"roughnessFactor":0.5}}"#);
+    let found = &rough.scene.materials[0];
+    assert_eq!((found.reflection, found.shininess), (plain.reflection, plain.shininess));
+    assert_eq!(rough.warnings.len(), 1);
+    let bent = without(r#"{"normalTexture":{"index":0}}"#);
+    assert!(bent.scene.materials[0].normal_map.is_none());
+    assert_eq!(bent.warnings.len(), 1);
+}
+
+#[test]
+fn metal_painted_gold_is_the_metal_gold() {
+    let painted = with_material(r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":0},"roughnessFactor":0.3}}"#)
+        .replace(&base64(&picture()), &base64(&plain([255, 200, 0])));
+    let painted = scene(&painted).materials.remove(0);
+    let gold = [1.0, crate::srgb::srgb_to_linear(200.0 / 255.0), 0.0];
+    let solid = material(&format!(
+        r#"{{"pbrMetallicRoughness":{{"baseColorFactor":[1,{},0,1],"roughnessFactor":0.3}}}}"#,
+        gold[1]
+    ));
+    // The texture tints all of it: see `Material::metallic`.
+    assert!(painted.metallic && solid.metallic);
+    let tinted = |color: [f32; 3]| [0, 1, 2].map(|c| color[c] * gold[c]);
+    assert!(near(tinted(painted.specular), solid.specular) && near(tinted(painted.reflection), solid.reflection));
+    assert!(near(tinted(painted.diffuse), solid.diffuse));
+}
+
+#[test]
+fn volumes_absorb_by_the_length_inside() {
+    let glass = |volume: &str| {
+        material(&format!(
+            r#"{{"pbrMetallicRoughness":{{"metallicFactor":0}},"extensions":{{"KHR_materials_transmission":
+            {{"transmissionFactor":1}},"KHR_materials_volume":{volume}}}}}"#
+        ))
+    };
+    let red = glass(r#"{"thicknessFactor":1,"attenuationDistance":0.5,"attenuationColor":[1,0.25,0]}"#);
+    // A quarter is left after half a unit.
+    assert_eq!(red.absorption[0], 0.0);
+    assert!((red.absorption[1] - 2.0 * 4.0f32.ln()).abs() < 1e-5 && red.absorption[2].is_finite());
+    assert_eq!(glass(r#"{"thicknessFactor":1,"attenuationColor":[1,0,0]}"#).absorption, [0.0; 3], "no distance");
+    assert_eq!(glass(r#"{"attenuationDistance":1,"attenuationColor":[1,0,0]}"#).absorption, [0.0; 3], "a thin wall");
+}
+
+#[test]
+fn surfaces_are_single_sided_unless_they_say() {
+    assert!(material("{}").single_sided);
+    assert!(!material(r#"{"doubleSided":true}"#).single_sided);
+}
+
+#[test]
 fn a_texture_without_a_source_is_left_out() {
     let json = with_material(r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}"#)
         .replace(r#""textures":[{"source":0}"#, r#""textures":[{}"#);
@@ -158,4 +235,26 @@ fn webp_is_preferred_where_it_is_offered() {
     let json = with_material(r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}"#)
         .replace(r#""textures":[{"source":0}"#, r#""textures":[{"extensions":{"EXT_texture_webp":{"source":0}}}"#);
     assert_eq!(scene(&json).images.len(), 1);
+}
+
+#[test]
+fn a_texture_on_a_mesh_without_coordinates_is_a_warning_and_the_plain_color() {
+    let json = with_material(
+        r#"{"name":"paint","pbrMetallicRoughness":{"baseColorTexture":{"index":0},"baseColorFactor":[0.5,0.5,0.5,1],
+        "metallicFactor":0},"normalTexture":{"index":0}}"#,
+    );
+    let both = json.replace(
+        r#"{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}"#,
+        r#"{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0},{"attributes":{"POSITION":0},"material":0}"#,
+    );
+    let loaded = load_json(&both);
+    let messages: Vec<_> = loaded.warnings.iter().map(|warning| warning.message.as_str()).collect();
+    assert_eq!(
+        messages,
+        ["mesh 'shape' lacks texture coordinates of material 'paint': it is shown without the textures"]
+    );
+    let [textured, plain] = &loaded.scene.materials[..] else { panic!("two materials") };
+    assert!(textured.diffuse_map.is_some() && textured.normal_map.is_some());
+    assert!(plain.diffuse_map.is_none() && plain.normal_map.is_none() && plain.diffuse == [0.5; 3]);
+    assert_eq!(loaded.scene.meshes.iter().map(|mesh| mesh.materials[0]).collect::<Vec<_>>(), [0, 1]);
 }

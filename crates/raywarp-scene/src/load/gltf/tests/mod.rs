@@ -5,11 +5,14 @@ use std::path::{Path, PathBuf};
 use crate::load::{load, LoadError, LoadOptions, Loaded};
 use crate::Scene;
 
+mod compressed;
 mod containers;
 mod geometry;
 mod hostile;
 mod materials;
 mod placement;
+mod poses;
+mod validity;
 
 fn load_named(name: &str, files: &[(&str, &[u8])]) -> (PathBuf, Result<Loaded, LoadError>) {
     let folder = tempfile::tempdir().unwrap();

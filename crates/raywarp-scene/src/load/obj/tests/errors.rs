@@ -8,25 +8,17 @@ fn error(bytes: &[u8]) -> String {
 }
 
 #[test]
-fn a_face_needs_three_corners() {
-    assert_eq!(
-        error(format!("{TRIANGLE}f 1 2").as_bytes()),
-        "a.obj:4:6: 'f 1 2' has 2 vertices; expected at least 3. Remove the face; lines are written as 'l'."
-    );
-}
-
-#[test]
 fn numbers_are_numbers() {
     assert_eq!(
         error(b"v 0 0 0\r\nv 1,5 0 0"),
-        "a.obj:2:3: '1,5' is not a number; expected 'v x y z', then perhaps a weight, then perhaps 'r g b'. Write \
+        "a.obj:2:3: '1,5' is not a number; expected 'v x y z', then perhaps a weight, or 'r g b' and perhaps 'a'. Write \
          numbers as 1.5 or -2e-3."
     );
     assert_eq!(
         error(b"vn 0 0"),
         "a.obj:1:7: 'vn 0 0' has 2 numbers; expected 'vn x y z'. Complete the line, or export the file again."
     );
-    assert!(error(b"v 1 2 3 4 5").contains("has 5 numbers"));
+    assert!(error(b"v 1 2").contains("has 2 numbers"));
     assert!(error(b"vt").contains("has 0 numbers"));
 }
 
@@ -36,16 +28,6 @@ fn indices_are_in_range() {
         error(format!("{TRIANGLE}f 1 2 4").as_bytes()),
         "a.obj:4:7: '4' names vertex 4; expected 1 to 3 or -3 to -1, as the file has 3 'v', 3 before this line. Check \
          that the file is complete."
-    );
-    assert_eq!(
-        error(format!("{TRIANGLE}f 1/1 2 3").as_bytes()),
-        "a.obj:4:3: '1/1' names texture coordinate 1; expected none, as the file has no 'vt'. Check that the file is \
-         complete."
-    );
-    assert_eq!(
-        error(format!("vn 0 0 1\n{TRIANGLE}f 1 2 \\\n 3//-2").as_bytes()),
-        "a.obj:6:2: '3//-2' names normal -2; expected 1 to 1 or -1 to -1, as the file has 1 'vn', 1 before this line. \
-         Check that the file is complete."
     );
     assert!(error(format!("f -1 -2 -3\n{TRIANGLE}").as_bytes()).contains("none of them before this line"));
     for face in ["0 1 2", "1 2 999999999999999999", "-4 1 2"] {

@@ -14,15 +14,15 @@ const PART: usize = 1 << 16;
 
 /// The last picture, and those before it.
 #[derive(Default)]
-pub(super) struct Shelf {
+pub(super) struct FramePool {
     shown: Option<Arc<Picture>>,
     before: Vec<Arc<Picture>>,
 }
 
-impl Shelf {
+impl FramePool {
     /// The last picture.
-    pub fn shown(&self) -> Option<&Picture> {
-        self.shown.as_deref()
+    pub fn shown(&self) -> Option<Arc<Picture>> {
+        self.shown.clone()
     }
 
     /// Takes the next one.
@@ -63,25 +63,25 @@ mod tests {
 
     #[test]
     fn memory_is_used_again_once_nobody_looks() {
-        let mut shelf = Shelf::default();
-        let first = shelf.bytes(&[0x0403_0201; 9]);
+        let mut pool = FramePool::default();
+        let first = pool.bytes(&[0x0403_0201; 9]);
         assert_eq!(first[..5], [1, 2, 3, 4, 1]);
         let at = first.as_ptr();
-        let held = shelf.show(picture(first));
-        shelf.show(picture(vec![7; 36]));
-        let other = shelf.bytes(&[5; 9]);
+        let held = pool.show(picture(first));
+        pool.show(picture(vec![7; 36]));
+        let other = pool.bytes(&[5; 9]);
         assert_ne!(other.as_ptr(), at, "somebody holds the first");
         assert_eq!(held.rgba[..4], [1, 2, 3, 4]);
         drop(held);
-        let again = shelf.bytes(&[5; 3]);
+        let again = pool.bytes(&[5; 3]);
         assert_eq!((again.as_ptr(), again.as_slice()), (at, &[5, 0, 0, 0].repeat(3)[..]));
-        assert_eq!(shelf.shown().unwrap().rgba[0], 7);
+        assert_eq!(pool.shown().unwrap().rgba[0], 7);
     }
 
     #[test]
     fn pictures_that_are_all_held_are_not_kept_for_ever() {
-        let mut shelf = Shelf::default();
-        let _held: Vec<_> = (0..20).map(|_| shelf.show(picture(vec![0; 4]))).collect();
-        assert_eq!(shelf.before.len(), KEPT);
+        let mut pool = FramePool::default();
+        let _held: Vec<_> = (0..20).map(|_| pool.show(picture(vec![0; 4]))).collect();
+        assert_eq!(pool.before.len(), KEPT);
     }
 }

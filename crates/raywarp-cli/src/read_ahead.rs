@@ -7,13 +7,13 @@ use raywarp::query::files::{RayFileError, RayReader};
 use raywarp::Ray;
 
 /// The pieces of a file, one of which is read ahead.
-pub struct Ahead {
+pub struct ReadAhead {
     pieces: Receiver<Result<Vec<Ray>, RayFileError>>,
     /// Room that is not needed any more.
     used: Sender<Vec<Ray>>,
 }
 
-impl Ahead {
+impl ReadAhead {
     /// Begins to read, so many rays at once. Nobody waits for the thread that does: it may itself wait for a pipe.
     pub fn new(mut reader: RayReader, piece: usize) -> Self {
         let (send, pieces) = sync_channel(1);

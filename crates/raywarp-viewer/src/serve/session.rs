@@ -3,14 +3,13 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use axum::body::Bytes;
-
 use super::client::Client;
 use super::encoder::{submit, Job};
-use super::outbox::File;
-use super::protocol::{scaled, size_within_limits, FromServer, Kind, Link};
+use super::files::Files;
+use super::protocol::{scaled, size_within_limits, FromServer, Link};
+use super::quality::Setting;
 use super::stripes::Coding;
-use crate::live::{Event, Outcome, Panel, Picture, Stage, Viewer};
+use crate::live::{Event, Outcome, Panel, Picture, Stage, StageVersion, Viewer};
 use crate::ViewerError;
 
 /// Shortest time between two pictures: no screen shows more.
@@ -21,8 +20,17 @@ const REST: Duration = Duration::from_millis(250);
 const TELLING: Duration = Duration::from_millis(125);
 const TELLING_SOON: Duration = Duration::from_millis(50);
 
-/// A client's place.
-pub struct Seat {
+/// What a picture is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Urgency {
+    /// Somebody moves something.
+    Motion,
+    /// More samples of what is there.
+    Refinement,
+}
+
+/// What the render thread knows of one client.
+pub struct Session {
     client: Arc<Client>,
     viewer: Viewer,
     size: Size,
@@ -31,6 +39,8 @@ pub struct Seat {
     mark: u32,
     frame: u32,
     begun: Option<Instant>,
+    /// Time of the render thread that its pictures took.
+    had: Duration,
     /// The last picture if it was settled and has not been sent without loss.
     owed: Option<Arc<Picture>>,
     told: Told,
@@ -46,11 +56,23 @@ struct Size {
 struct Told {
     at: Option<Instant>,
     soon: bool,
+    /// Whether the viewer may have something new to tell.
+    stale: bool,
+    /// What else the telling depends on, as it was.
+    news: Option<News>,
     status: String,
     panel: Option<Panel>,
 }
 
-impl Seat {
+/// What is told that does not come from the client's own viewer.
+#[derive(Clone, Debug, PartialEq)]
+struct News {
+    stage: StageVersion,
+    setting: Setting,
+    viewers: usize,
+}
+
+impl Session {
     pub fn new(client: Arc<Client>) -> Self {
         let size = size_within_limits(client.size);
         Self {
@@ -61,6 +83,7 @@ impl Seat {
             mark: 0,
             frame: 0,
             begun: None,
+            had: Duration::ZERO,
             owed: None,
             told: Told::default(),
         }
@@ -78,8 +101,13 @@ impl Seat {
     }
 
     /// Hands all input to the viewer.
-    pub fn take_input(&mut self, stage: &mut Stage) {
+    pub fn take_input(&mut self, stage: &mut Stage, files: &Files) {
         let taken = self.client.take();
+        if let Some(why) = self.client.take_file_failure() {
+            self.viewer.export_failed(why);
+            self.told.stale = true;
+        }
+        self.told.stale |= !taken.events.is_empty();
         for event in taken.events {
             self.follow(&event);
             self.told.soon |= !matches!(event, Event::Pointer { .. } | Event::Wheel { .. } | Event::Resize { .. });
@@ -87,7 +115,7 @@ impl Seat {
                 Event::Resize { width, height } => self.size.asked = size_within_limits([width, height]),
                 event => {
                     let outcomes = self.viewer.handle(stage, &event);
-                    outcomes.into_iter().for_each(|outcome| self.carry_out(outcome));
+                    outcomes.into_iter().for_each(|outcome| self.carry_out(outcome, files));
                 }
             }
         }
@@ -105,33 +133,60 @@ impl Seat {
         }
     }
 
-    fn carry_out(&self, outcome: Outcome) {
+    fn carry_out(&self, outcome: Outcome, files: &Files) {
         match outcome {
-            Outcome::File { name, content, media_type } => {
-                let head = FromServer::File { name: &name, media_type, bytes: content.len() }.text();
-                let content = Bytes::from([&[Kind::File as u8], content.as_slice()].concat());
-                self.client.outbox.file(File { head, content });
-            }
+            Outcome::File(export) => files.order(&self.client, export),
             Outcome::Copy(text) => self.client.outbox.copy(FromServer::Copy { text: &text }.text()),
             // A page cannot close itself, and the server is not one viewer's to end.
             Outcome::Quit => {}
         }
     }
 
-    /// Makes a picture, or sends the last one without loss, if there is something to show and the client is ready for
-    /// it. Whether anything was done.
-    pub fn step(&mut self, stage: &mut Stage, now: Duration) -> Result<bool, ViewerError> {
+    /// Whether there is something to show and the client is ready for it.
+    pub fn is_due(&self, stage: &Stage) -> bool {
         if self.begun.is_some_and(|begun| begun.elapsed() < SHORTEST) {
-            return Ok(false);
+            return false;
         }
         if self.viewer.wants_frame(stage) {
-            return if self.client.is_ready() { self.render(stage, now) } else { Ok(false) };
+            return self.client.is_ready();
         }
-        let is_due = self.owed.is_some() && self.is_at_rest() && self.client.is_idle();
-        let Some(picture) = self.owed.take_if(|_| is_due) else { return Ok(false) };
+        self.owed.is_some() && self.is_at_rest() && self.client.is_idle()
+    }
+
+    pub fn urgency(&self) -> Urgency {
+        if self.is_at_rest() {
+            Urgency::Refinement
+        } else {
+            Urgency::Motion
+        }
+    }
+
+    /// Whether there has been a picture.
+    pub fn has_shown(&self) -> bool {
+        self.frame > 0
+    }
+
+    /// Time of the render thread that it has had, at least as much as is said: what was not used is not saved up.
+    pub fn had(&self, least: Duration) -> Duration {
+        self.had.max(least)
+    }
+
+    pub fn charge(&mut self, had: Duration) {
+        self.had = had;
+    }
+
+    /// Makes a picture, or sends the last one without loss. Whether anything was done.
+    pub fn step(&mut self, stage: &mut Stage, now: Duration) -> Result<bool, ViewerError> {
+        let worked = if self.viewer.wants_frame(stage) { self.render(stage, now)? } else { self.send_lossless() };
+        self.told.stale |= worked;
+        Ok(worked)
+    }
+
+    fn send_lossless(&mut self) -> bool {
+        let Some(picture) = self.owed.take() else { return false };
         let frame = self.depart(true);
         submit(&self.client, Job { picture, coding: Coding::Lossless, frame, mark: self.mark });
-        Ok(true)
+        true
     }
 
     fn render(&mut self, stage: &mut Stage, now: Duration) -> Result<bool, ViewerError> {
@@ -150,13 +205,21 @@ impl Seat {
         self.frame
     }
 
-    /// Tells status and panel where they have changed, a few times a second.
+    /// Tells status and panel where they have changed, a few times a second. A page where nothing happens costs nothing.
     pub fn tell(&mut self, stage: &Stage, viewers: usize) {
         let pause = if self.told.soon { TELLING_SOON } else { TELLING };
         if self.told.at.is_some_and(|at| at.elapsed() < pause) {
             return;
         }
-        (self.told.at, self.told.soon) = (Some(Instant::now()), false);
+        let news = Some(News { stage: stage.version(), setting: self.client.setting(), viewers });
+        if !self.told.stale && self.told.news == news {
+            return;
+        }
+        (self.told.at, self.told.soon, self.told.stale, self.told.news) = (Some(Instant::now()), false, false, news);
+        self.tell_now(stage, viewers);
+    }
+
+    fn tell_now(&mut self, stage: &Stage, viewers: usize) {
         let setting = self.client.setting();
         let link = Link {
             quality: setting.jpeg,

@@ -1,4 +1,4 @@
-//! A viewer with a hand on its pointer.
+//! A viewer whose pointer follows a script.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -18,7 +18,7 @@ const NARROWEST: u64 = 40;
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// A viewer whose camera is dragged about its target.
-pub struct Hand<'a> {
+pub struct ScriptedPointer<'a> {
     stage: &'a mut Stage,
     viewer: Viewer,
     /// The picture before anything moved.
@@ -41,7 +41,7 @@ pub struct Frame {
     pub traced: f64,
 }
 
-impl<'a> Hand<'a> {
+impl<'a> ScriptedPointer<'a> {
     /// With the picture at rest there and the button down.
     ///
     /// # Errors
@@ -54,27 +54,27 @@ impl<'a> Hand<'a> {
         );
         let mut viewer = Viewer::new(size);
         *viewer.look_mut() = case.look();
-        let mut hand = Self { stage, viewer, rest: Arc::default(), size, turned: 0.0, start: Instant::now() };
-        let [most_wide, most_high] = hand.status().size;
+        let mut pointer = Self { stage, viewer, rest: Arc::default(), size, turned: 0.0, start: Instant::now() };
+        let [most_wide, most_high] = pointer.status().size;
         anyhow::ensure!(
             [most_wide, most_high] == size,
             "a picture of {width}x{height} is more than the viewer shows: at most {most_wide}x{most_high} of it; choose a \
              smaller --size"
         );
-        hand.settle()?;
+        pointer.settle()?;
         // What cannot be rendered from, the viewer replaces.
         let asked = |camera: &Camera| view.adjust(camera.clone()) == *camera;
         anyhow::ensure!(
-            hand.viewer.camera().is_some_and(asked),
+            pointer.viewer.camera().is_some_and(asked),
             "the camera needs finite coordinates, an eye apart from its target, and a field of view of more than 0 and \
              less than 180 degrees"
         );
-        if let Some(notice) = hand.status().notice.filter(|notice| notice.error) {
+        if let Some(notice) = pointer.status().notice.filter(|notice| notice.error) {
             anyhow::bail!("{}", notice.text);
         }
-        hand.point();
-        hand.press(true);
-        Ok(hand)
+        pointer.point();
+        pointer.press(true);
+        Ok(pointer)
     }
 
     /// What the viewer tells.

@@ -17,12 +17,12 @@ pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 /// What all threads of a server share.
 #[derive(Debug)]
-pub struct Hall {
+pub struct ClientRegistry {
     /// Clients that the render thread has not seen yet.
     arrivals: Mutex<Vec<Arc<Client>>>,
-    seats: Arc<Semaphore>,
+    places: Arc<Semaphore>,
     size: usize,
-    pub bell: Bell,
+    pub waker: Waker,
     stopping: AtomicBool,
     ending: watch::Sender<Option<Ending>>,
 }
@@ -44,14 +44,14 @@ impl Ending {
     }
 }
 
-impl Hall {
+impl ClientRegistry {
     pub fn new(size: usize) -> Self {
         let size = size.min(Semaphore::MAX_PERMITS);
         Self {
             arrivals: Mutex::default(),
-            seats: Arc::new(Semaphore::new(size)),
+            places: Arc::new(Semaphore::new(size)),
             size,
-            bell: Bell::default(),
+            waker: Waker::default(),
             stopping: AtomicBool::new(false),
             ending: watch::Sender::new(None),
         }
@@ -64,19 +64,19 @@ impl Hall {
 
     /// How many there are.
     pub fn taken(&self) -> usize {
-        self.size.saturating_sub(self.seats.available_permits())
+        self.size.saturating_sub(self.places.available_permits())
     }
 
-    /// Lets a client in, for as long as the permit lives. None where all seats are taken.
-    pub fn admit(&self, size: [u32; 2]) -> Option<(Arc<Client>, OwnedSemaphorePermit)> {
-        let permit = Arc::clone(&self.seats).try_acquire_owned().ok()?;
+    /// Lets a client in. None where all places are taken.
+    pub fn admit(&self, size: [u32; 2]) -> Option<Admission> {
+        let place = Arc::clone(&self.places).try_acquire_owned().ok()?;
         let client = Arc::new(Client::new(size));
         let mut arrivals = lock(&self.arrivals);
         arrivals.retain(|client| !client.is_gone());
         arrivals.push(Arc::clone(&client));
         drop(arrivals);
-        self.bell.ring();
-        Some((client, permit))
+        self.waker.wake();
+        Some(Admission { client, _place: place })
     }
 
     /// Those who came since the last call.
@@ -84,18 +84,24 @@ impl Hall {
         std::mem::take(&mut *lock(&self.arrivals))
     }
 
+    /// Ends the rendering after the picture at hand; clients are told at once.
     pub fn stop(&self) {
         self.stopping.store(true, Ordering::Release);
-        self.bell.ring();
+        self.end(Ending::of(&Ok(())));
+        self.waker.wake();
     }
 
     pub fn is_stopping(&self) -> bool {
         self.stopping.load(Ordering::Acquire)
     }
 
-    /// Tells all clients, and those who come later.
+    /// Tells all clients, and those who come later. What was told first holds.
     pub fn end(&self, ending: Ending) {
-        self.ending.send_replace(Some(ending));
+        self.ending.send_if_modified(|told| {
+            let is_first = told.is_none();
+            told.get_or_insert(ending);
+            is_first
+        });
     }
 
     pub fn ending(&self) -> watch::Receiver<Option<Ending>> {
@@ -104,27 +110,40 @@ impl Hall {
 
     pub async fn wait_until_empty(&self, limit: Duration) {
         let all = u32::try_from(self.size).unwrap_or(u32::MAX);
-        let _ = tokio::time::timeout(limit, self.seats.acquire_many(all)).await;
+        let _ = tokio::time::timeout(limit, self.places.acquire_many(all)).await;
+    }
+}
+
+/// A client and its place. The client leaves when this is dropped, wherever its task was at.
+#[derive(Debug)]
+pub struct Admission {
+    pub client: Arc<Client>,
+    _place: OwnedSemaphorePermit,
+}
+
+impl Drop for Admission {
+    fn drop(&mut self) {
+        self.client.leave();
     }
 }
 
 /// Wakes the render thread.
 #[derive(Debug, Default)]
-pub struct Bell {
-    rung: Mutex<bool>,
-    heard: Condvar,
+pub struct Waker {
+    woken: Mutex<bool>,
+    signal: Condvar,
 }
 
-impl Bell {
-    pub fn ring(&self) {
-        *lock(&self.rung) = true;
-        self.heard.notify_one();
+impl Waker {
+    pub fn wake(&self) {
+        *lock(&self.woken) = true;
+        self.signal.notify_one();
     }
 
-    /// Waits until it has rung since the last call, or the limit has passed.
+    /// Waits until it has been woken since the last call, or the limit has passed.
     pub fn wait(&self, limit: Duration) {
-        let rung = lock(&self.rung);
-        let waited = self.heard.wait_timeout_while(rung, limit, |rung| !*rung);
+        let woken = lock(&self.woken);
+        let waited = self.signal.wait_timeout_while(woken, limit, |woken| !*woken);
         *waited.unwrap_or_else(PoisonError::into_inner).0 = false;
     }
 }

@@ -1,0 +1,111 @@
+//! Flags of other programs, and which of raywarp's do what they do there.
+
+use std::ffi::OsString;
+
+use clap::builder::StyledStr;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{CommandFactory, Parser};
+
+use crate::options::Options;
+
+/// The options of the command line; where they make no sense the error has a tip if a flag is known from elsewhere.
+pub fn parse() -> Result<Options, clap::Error> {
+    parse_from(std::env::args_os().collect())
+}
+
+fn parse_from(words: Vec<OsString>) -> Result<Options, clap::Error> {
+    Options::try_parse_from(&words).map_err(|error| with_tip(error, &words))
+}
+
+/// Flags as people guess them, and what to write instead, which begins with a flag of raywarp.
+const GUESSES: [(&[&str], &str); 23] = [
+    (&["width", "height", "resolution", "res", "image-size", "dimensions"], "--size 1920x1080"),
+    (&["sample", "samples-per-pixel", "aa", "antialias", "antialiasing", "num-samples"], "--samples 16"),
+    (&["bounces", "max-bounces", "depth", "recursion", "max-recursion", "ray-depth"], "--max-depth 8"),
+    (&["look-at", "lookat", "at", "center", "centre", "look", "focus"], "--target 0,1,0"),
+    (&["from", "position", "pos", "origin", "camera-position", "look-from", "cam-pos"], "--eye 3,2,5"),
+    (&["cam", "view-camera"], "--camera NAME"),
+    (&["fovy", "vfov", "angle", "field-of-view"], "--fov 40"),
+    (&["orthographic", "parallel"], "--ortho 2.5"),
+    (&["bg", "background-color", "background-colour", "sky"], "--background COLOUR"),
+    (&["out", "outfile", "output-file", "save", "write"], "--output FILE"),
+    (&["jobs", "num-threads", "cores", "nproc", "cpus"], "--threads 4"),
+    (&["gpu", "cpu", "cuda", "backend"], "--device cuda"),
+    (&["bvh", "structure", "accelerator", "acceleration"], "--accel bvh2"),
+    (&["quality", "tree-quality", "build-quality"], "--tree high"),
+    (&["tonemap", "tone-mapping", "tonemapping", "gamma"], "--tone-map filmic"),
+    (&["ev", "brightness"], "--exposure 1"),
+    (&["layers", "passes", "aovs", "channels"], "--aov depth,normal"),
+    (&["region", "window", "roi"], "--crop 0,0,640,360"),
+    (&["turntable", "spin", "rotate"], "--orbit"),
+    (&["frame", "frame-range"], "--frames 1..240"),
+    (&["force", "replace"], "--overwrite"),
+    (&["listen", "bind", "address", "ip"], "--host 0.0.0.0"),
+    (&["verbose", "timing", "timings", "statistics", "profile"], "--stats"),
+];
+
+fn with_tip(mut error: clap::Error, words: &[OsString]) -> clap::Error {
+    let tip = match (error.kind(), error.get(ContextKind::InvalidArg)) {
+        (ErrorKind::UnknownArgument, Some(ContextValue::String(flag))) => tip(flag, words),
+        _ => None,
+    };
+    if let Some(instead) = tip {
+        // What looks alike means something else.
+        error.remove(ContextKind::SuggestedArg);
+        let tip = StyledStr::from(format!("that is '{instead}' here"));
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip]));
+    }
+    error
+}
+
+/// What to write instead of a flag, if the command has such.
+fn tip(flag: &str, words: &[OsString]) -> Option<&'static str> {
+    let name = flag.trim_start_matches('-').split('=').next()?;
+    let (_, instead) = GUESSES.into_iter().find(|(guesses, _)| guesses.contains(&name))?;
+    let known = instead.trim_start_matches('-').split(' ').next()?;
+    let commands = Options::command();
+    let command = words.iter().skip(1).find_map(|word| commands.find_subcommand(word))?;
+    let has_it = command.get_arguments().any(|argument| argument.get_long() == Some(known));
+    has_it.then_some(instead)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn said(words: &[&str]) -> String {
+        parse_from(words.iter().map(OsString::from).collect()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn guessed_flags_get_the_right_one_as_their_tip() {
+        for (words, flag) in [
+            (["raywarp", "render", "--width", "640"], "'--size 1920x1080'"),
+            (["raywarp", "render", "--height=480", "a.obj"], "'--size 1920x1080'"),
+            (["raywarp", "view", "--bounces", "3"], "'--max-depth 8'"),
+            (["raywarp", "serve", "--look-at", "0,0,0"], "'--target 0,1,0'"),
+            (["raywarp", "bench", "--jobs", "2"], "'--threads 4'"),
+            (["raywarp", "render", "--gpu", "a.obj"], "'--device cuda'"),
+        ] {
+            let said = said(&words);
+            assert!(said.contains("unexpected argument") && said.contains(flag), "{said}");
+            assert!(!said.contains("a similar argument"), "{said}");
+        }
+        assert!(said(&["raywarp", "info", "--width", "3"]).contains("unexpected argument '--width'"));
+        assert!(!said(&["raywarp", "info", "--width", "3"]).contains("--size"));
+    }
+
+    #[test]
+    fn no_guess_is_a_flag_itself_and_every_tip_is_one() {
+        let commands = Options::command();
+        let flags: Vec<_> = commands.get_subcommands().flat_map(|command| command.get_arguments()).collect();
+        let is_flag = |name: &str| flags.iter().any(|flag| flag.get_long() == Some(name));
+        for (guesses, instead) in GUESSES {
+            let flag = instead.trim_start_matches('-').split(' ').next().unwrap();
+            assert!(is_flag(flag) || flag == "background", "{instead}");
+            let render = commands.find_subcommand("render").unwrap();
+            let taken = guesses.iter().find(|guess| render.get_arguments().any(|flag| flag.get_long() == Some(guess)));
+            assert_eq!(taken, None);
+        }
+    }
+}
