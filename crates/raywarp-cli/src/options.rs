@@ -10,7 +10,7 @@ use raywarp::query::files::{Format, Mode};
 use raywarp::render::{MAX_DEPTH, MAX_SPP};
 use raywarp::scene::{RenderDefaults, Scene, Viewpoint};
 use raywarp_viewer::live::look::MAX_SAMPLES;
-use raywarp_viewer::live::StageOptions;
+use raywarp_viewer::live::{Source, StageOptions};
 
 pub use crate::bench::BenchOptions;
 pub use crate::frames::FrameOptions;
@@ -36,7 +36,7 @@ const EXAMPLES: &str = "\
 Examples:
   raywarp                                  the built-in scene, to raywarp.png
   raywarp render model.obj -o picture.png  a model, framed and lit if it has no camera and no lights
-  raywarp view model.obj                   walk around it in a window
+  raywarp view model.obj                   walk around it in a window or the browser
   raywarp query model.obj --rays rays.npy  what each of many rays hits, to hits.npz
   raywarp serve model.glb                  walk through a scene in a browser, also one far away
   raywarp info scene.gltf                  what is in a scene
@@ -63,8 +63,9 @@ Examples:
   raywarp view model.glb
   raywarp view scene.toml --watch --size 1920x1080
 
-H shows what keys and pointer do. The close button ends the program.
-Without a display, `raywarp serve` shows the scene in a browser.";
+H shows what keys and pointer do. The window is the program raywarp-window, which is built apart:
+without it, or without a display, the scene is shown in a browser at the address that is printed.
+--size and --fullscreen are the window's.";
 
 const QUERY_EXAMPLES: &str = "\
 Examples:
@@ -97,7 +98,7 @@ ssh, run the line that is printed on your own and open the address there. docs/s
 pub enum Command {
     /// Render a scene to PNG or EXR files
     Render(Box<RenderOptions>),
-    /// Walk through a scene in a window
+    /// Walk through a scene in a window, or in the browser where there is none
     View(Box<ViewOptions>),
     /// Ask many rays what they hit: the closest, any, all of it, or how much
     Query(QueryOptions),
@@ -217,6 +218,13 @@ pub struct ViewOptions {
     /// Take the scene's warnings as errors
     #[arg(long, help_heading = "Messages")]
     pub strict: bool,
+}
+
+impl ViewOptions {
+    /// The scene in the viewer's words.
+    pub fn source(&self) -> Source {
+        Source { path: self.scene.clone(), strict: self.strict, watch: self.watch }
+    }
 }
 
 /// How a scene is shown to people: options of `view` and `serve`.

@@ -5,7 +5,7 @@ use egui::{
     Slider, SliderClamping, Ui,
 };
 
-use crate::live::{Control, Event, Panel, Row, Section, Value};
+use raywarp_viewer::live::{Control, Event, Panel, Row, Section, Value};
 
 const WIDTH: f32 = 320.0;
 /// Share of the width that labels take.

@@ -3,7 +3,7 @@
 //! The program has to start where there is no desktop, so none of these libraries is linked: all are opened when a
 //! window is.
 
-use super::WindowError;
+use crate::error::WindowError;
 
 /// Whether a window can be tried at all.
 ///

@@ -10,7 +10,7 @@ use std::ops::Range;
 use egui::epaint::Vertex;
 use egui::{Color32, Mesh};
 
-use super::texture::Texture;
+use crate::texture::Texture;
 
 /// Rows of a picture of `0x00RRGGBB`.
 pub struct Band<'a> {

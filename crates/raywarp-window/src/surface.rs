@@ -8,7 +8,7 @@ use winit::dpi::PhysicalSize;
 use winit::event_loop::{ActiveEventLoop, OwnedDisplayHandle};
 use winit::window::{Fullscreen, Window};
 
-use super::error::{of_winit, WindowError};
+use crate::error::{of_winit, WindowError};
 
 /// A window that pixels can be put into.
 pub struct Canvas {

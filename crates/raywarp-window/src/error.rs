@@ -1,6 +1,6 @@
 //! What can go wrong with a window.
 
-use crate::ViewerError;
+use raywarp_viewer::ViewerError;
 
 /// Why there is no window, or none any more.
 #[derive(Debug, thiserror::Error)]
@@ -37,7 +37,7 @@ pub enum WindowError {
 }
 
 /// What winit says, without the lines of its source that it puts first.
-pub(super) fn of_winit(action: &'static str, error: impl std::fmt::Display) -> WindowError {
+pub fn of_winit(action: &'static str, error: impl std::fmt::Display) -> WindowError {
     let text = error.to_string();
     let reason = match text.strip_prefix("os error at ").and_then(|rest| rest.split_once(".rs:")) {
         Some((_, rest)) => rest.split_once(": ").map_or(rest, |(_line, reason)| reason).to_owned(),

@@ -1,14 +1,14 @@
 //! What is drawn over the picture: lines of text, the panel, the help.
 //!
 //! Everything is laid out anew for each drawing by egui, from the core's [`Status`] and [`Panel`]. egui needs no window
-//! and no graphics card for that: it takes input and gives triangles, which [`paint`](super::paint) draws.
+//! and no graphics card for that: it takes input and gives triangles, which [`paint`](crate::paint) draws.
 
 use egui::{ClippedPrimitive, Context, FullOutput, LayerId, Order, Pos2, RawInput, Rect};
 
-use super::paint::Overlay;
-use super::texture::Textures;
-use super::{overlay, side};
-use crate::live::{Event, Notice, Panel, Status};
+use crate::paint::Overlay;
+use crate::texture::Textures;
+use crate::{overlay, side};
+use raywarp_viewer::live::{Event, Notice, Panel, Status};
 
 /// What is to be said and shown.
 pub struct Content<'a> {

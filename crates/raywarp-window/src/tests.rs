@@ -4,9 +4,9 @@
 use egui::{pos2, vec2, Event as Input, Modifiers, PointerButton, Pos2, RawInput, Rect};
 use raywarp::image::{png, Rgb8};
 
-use super::interface::{Content, Interface};
-use super::{overlay, paint};
-use crate::live::{Control, Event, Legend, Notice, Panel, Picture, Row, Section, Status, Value};
+use crate::interface::{Content, Interface};
+use crate::{overlay, paint};
+use raywarp_viewer::live::{Control, Event, Legend, Notice, Panel, Picture, Row, Section, Status, Value};
 
 const SIZE: [usize; 2] = [900, 640];
 

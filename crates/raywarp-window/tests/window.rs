@@ -1,14 +1,14 @@
-//! `raywarp view` as people have it: a window, keys, a file, the close button. On an X server of its own without a
+//! The window as people have it: keys, a file, the close button. On an X server of its own without a
 //! screen; where there is no Xvfb the tests of the window pass without running, unless RAYWARP_REQUIRE_DISPLAY is 1.
 #![cfg(target_os = "linux")]
 
-mod common;
+mod place;
 
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-use common::{Place, SCENE};
+use place::{Place, SCENE};
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{self, ConnectionExt as _, ImageFormat, InputFocus, Window};
 use x11rb::protocol::xtest::ConnectionExt as _;
@@ -22,7 +22,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 #[test]
 fn without_a_display_a_sentence_says_what_to_do() {
     let place = Place::new();
-    let mut command = place.command(&["view", "--device", "cpu"]);
+    let mut command = place.command(&["--device", "cpu"]);
     let output = command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").output();
     let output = output.unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
@@ -35,7 +35,7 @@ fn without_a_display_a_sentence_says_what_to_do() {
 #[test]
 fn a_display_that_does_not_answer_is_an_error() {
     let place = Place::new();
-    let mut command = place.command(&["view", "--device", "cpu"]);
+    let mut command = place.command(&["--device", "cpu"]);
     let output = command.env("DISPLAY", ":64999").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").output();
     let output = output.unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
@@ -65,7 +65,7 @@ fn people_look_keep_a_picture_and_leave() {
         while !place.path(name).is_file() && start.elapsed() < PATIENCE {
             std::thread::sleep(Duration::from_millis(20));
         }
-        let (width, height, pixels) = common::png(&place.path(name));
+        let (width, height, pixels) = place::png(&place.path(name));
         assert_eq!([width, height], SIZE.map(u32::from), "{name}");
         assert!(pixels.iter().any(is_red), "{name}");
     }
@@ -143,7 +143,7 @@ impl Screen {
 
     fn command(&self, place: &Place, arguments: &[&str]) -> Command {
         let size = format!("{}x{}", SIZE[0], SIZE[1]);
-        let mut command = place.command(&[&["view", "--device", "cpu", "--size", &size], arguments].concat());
+        let mut command = place.command(&[&["--device", "cpu", "--size", &size], arguments].concat());
         command.env("DISPLAY", &self.name).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         command

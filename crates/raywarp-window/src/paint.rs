@@ -4,10 +4,10 @@ use egui::epaint::Primitive;
 use egui::ClippedPrimitive;
 use rayon::prelude::*;
 
-use super::raster::{self, Band, Clip};
-use super::scale::Scaling;
-use super::texture::Textures;
-use crate::live::Picture;
+use crate::raster::{self, Band, Clip};
+use crate::scale::Scaling;
+use crate::texture::Textures;
+use raywarp_viewer::live::Picture;
 
 /// Where there is no picture yet.
 const EMPTY: u32 = 0x1c1c1e;

@@ -1,41 +1,15 @@
-//! The viewer in a window of the desktop.
-//!
-//! The core renders, on whichever device; everything that a window adds is done on the CPU: its pictures are scaled to
-//! the window and handed to X11 or Wayland as plain pixels. Machines with data-centre GPUs have neither OpenGL nor
-//! Vulkan to draw with, and often show their windows over a network. egui lays out the panel and the text;
-//! `raster` draws its triangles. (The crate `egui_software_backend` would draw them too: its one egui asks for a
-//! newer compiler than raywarp does, and 200 lines do.)
-//!
-//! On a turn of the `app`'s loop the core gets to render one frame, if it wants to; when it has, the window is drawn:
-//! `interface` lays out `overlay` and `side`, `paint` fills the pixels by `scale` and `raster`. `input`
-//! brings events to the core. When nothing happens, nothing is drawn.
-
-mod app;
-mod error;
-mod input;
-mod interface;
-mod keep;
-mod libraries;
-mod overlay;
-mod paint;
-mod raster;
-mod scale;
-mod side;
-mod surface;
-#[cfg(test)]
-mod tests;
-mod texture;
+//! A display of the desktop, and a window on it.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use raywarp::write::WriteError;
+use raywarp_viewer::live::{Stage, Viewer};
 use winit::event_loop::EventLoop;
 
-use crate::live::{Stage, Viewer};
-use app::App;
-pub use error::WindowError;
-pub use keep::keep;
+use crate::app::App;
+use crate::error::{self, WindowError};
+use crate::libraries;
 
 /// A scene that fails or is ready within this time needs no window that says that it is read.
 const PATIENCE: Duration = Duration::from_millis(150);
@@ -46,7 +20,7 @@ pub struct WindowOptions {
     pub size: [u32; 2],
     /// Whether to fill the screen.
     pub fullscreen: bool,
-    /// Keeps a file under about this name, and tells its path: [`keep()`] in a folder.
+    /// Keeps a file under about this name, and tells its path: [`keep`](crate::keep::keep) in a folder.
     pub keep: Keep,
 }
 

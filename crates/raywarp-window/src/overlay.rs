@@ -2,8 +2,8 @@
 
 use egui::{vec2, Align2, Area, Color32, Context, Frame, Id, Order, Rect, RichText, Ui, Vec2};
 
-use super::interface::Content;
-use crate::live::{Legend, Notice, Status, HELP};
+use crate::interface::Content;
+use raywarp_viewer::live::{Legend, Notice, Status, HELP};
 
 const MARGIN: f32 = 8.0;
 const ERROR: Color32 = Color32::from_rgb(255, 140, 120);

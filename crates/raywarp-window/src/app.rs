@@ -3,16 +3,19 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use raywarp_viewer::live::{Event, Notice, Outcome, Picture, Stage, Status, Viewer};
 use winit::application::ApplicationHandler;
 use winit::event::{ElementState, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::window::WindowId;
 
-use super::input::Input;
-use super::interface::{Content, Interface};
-use super::surface::Canvas;
-use super::{overlay, paint, WindowError, WindowOptions};
-use crate::live::{Event, Notice, Outcome, Picture, Stage, Status, Viewer};
+
+use crate::display::WindowOptions;
+use crate::error::WindowError;
+use crate::input::Input;
+use crate::interface::{Content, Interface};
+use crate::surface::Canvas;
+use crate::{overlay, paint};
 
 /// How often to look at what runs beside while nothing happens.
 const IDLE: Duration = Duration::from_millis(100);

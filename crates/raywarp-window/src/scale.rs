@@ -3,7 +3,7 @@
 //! Bilinear: while the camera moves the picture is small, and its pixels blown up to squares would crawl along every
 //! edge. Weights are whole numbers of 1/256, and all four bytes of a pixel are weighed in two multiplications.
 
-use crate::live::Picture;
+use raywarp_viewer::live::Picture;
 
 /// How a picture is spread over columns and rows of a window.
 pub struct Scaling<'a> {

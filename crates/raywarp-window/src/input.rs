@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use winit::event::{MouseButton, MouseScrollDelta};
 use winit::keyboard::{Key, ModifiersState, NamedKey};
 
-use crate::live::{Button, Event, Modifiers};
+use raywarp_viewer::live::{Button, Event, Modifiers};
 
 /// Pixels, before scaling, that a touch pad moves for one notch of a wheel.
 const NOTCH: f64 = 50.0;
