@@ -6,12 +6,19 @@ mod common;
 use std::io::{BufRead, BufReader, Read};
 use std::os::unix::fs::PermissionsExt;
 use std::process::{Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use common::{Place, SCENE};
 
 /// Variables by which a desktop and a remote shell are told.
 const DESKTOP: [&str; 6] = ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET", "SSH_CONNECTION", "SSH_CLIENT", "SSH_TTY"];
+
+/// One test at a time: a program that is being written cannot be started, and others' children hold such files open.
+fn alone() -> MutexGuard<'static, ()> {
+    static TURN: Mutex<()> = Mutex::new(());
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// A program of this name that keeps the words it is given in the file `words`.
 fn put_program(place: &Place, name: &str, ending: &str) {
@@ -38,6 +45,7 @@ fn view(place: &Place, words: &[&str], desktop: &[(&str, &str)]) -> Command {
 
 #[test]
 fn the_window_gets_the_options_and_its_exit_code_is_told() {
+    let _turn = alone();
     let place = Place::new();
     put_program(&place, "raywarp-window", "exit 7");
     let status = view(&place, &["a scene.obj", "--fullscreen"], &[("DISPLAY", ":99")]).status().unwrap();
@@ -73,6 +81,7 @@ fn shown(place: &Place, desktop: &[(&str, &str)], until: impl Fn()) -> String {
 
 #[test]
 fn without_a_window_the_browser_opens_the_page() {
+    let _turn = alone();
     let place = Place::new();
     put_program(&place, "xdg-open", "");
     let start = Instant::now();
@@ -89,6 +98,7 @@ fn without_a_window_the_browser_opens_the_page() {
 
 #[test]
 fn without_a_desktop_or_far_from_it_the_address_is_printed_alone() {
+    let _turn = alone();
     for desktop in [&[][..], &[("DISPLAY", ":10"), ("SSH_CONNECTION", "192.0.2.1 50000 192.0.2.2 22")]] {
         let place = Place::new();
         put_program(&place, "xdg-open", "");

@@ -9,7 +9,6 @@ use winit::event::{ElementState, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
 use winit::window::WindowId;
 
-
 use crate::display::WindowOptions;
 use crate::error::WindowError;
 use crate::input::Input;
