@@ -32,7 +32,6 @@ pub mod report;
 #[doc(hidden)]
 pub mod say;
 mod serve;
-mod study;
 #[doc(hidden)]
 pub mod values;
 mod view;
@@ -53,7 +52,6 @@ pub fn main() -> ExitCode {
         Some(Command::Serve(options)) => serve::run(&options),
         Some(Command::Info(options)) => info::run(&options),
         Some(Command::Bench(options)) => bench::run(&options),
-        Some(Command::Study(options)) => study::run(&options),
         Some(Command::Doctor) => doctor::run(),
         Some(Command::Completions(options)) => completions::run(&options),
         Some(Command::Man(options)) => man::run(&options),

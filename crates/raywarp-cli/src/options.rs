@@ -14,7 +14,6 @@ use raywarp_viewer::live::{Source, StageOptions};
 
 pub use crate::bench::BenchOptions;
 pub use crate::frames::FrameOptions;
-pub use crate::study::StudyOptions;
 use crate::values;
 
 /// Ray tracing on any CUDA GPU with nothing but its driver, or on the CPU
@@ -108,8 +107,6 @@ pub enum Command {
     Info(InfoOptions),
     /// Measure rays a second: primary, shadow, ambient occlusion, diffuse and random, beside other ray tracers
     Bench(Box<BenchOptions>),
-    /// Study how rays are traced best on this device: structures, tests, load, ways to share out the work; as a report
-    Study(Box<StudyOptions>),
     /// Check the CUDA driver and the devices, and say what to do about problems
     Doctor,
     /// Print the completions for a shell
@@ -432,8 +429,8 @@ pub struct MachineOptions {
     /// Where to trace: auto (a GPU if there is one), cpu, cuda, cuda:N
     #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
     pub device: DeviceChoice,
-    /// How to find hits: brute, staged (every triangle), a k-d tree: kd (the paper's), kdsah, kdtrail, or a hierarchy of boxes:
-    /// bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w, bvh8f [default: the scene file's, else the fastest on the device]
+    /// How to find hits: brute (every triangle), kd (the paper's k-d tree), or a hierarchy of boxes: bvh2, bvh2c, bvh, bvh8f
+    /// (for CPUs) [default: the scene file's, else the fastest on the device]
     #[arg(long, value_name = "KIND", help_heading = "Machine")]
     pub accel: Option<AccelKind>,
     /// How good a hierarchy of boxes should be: fast (to build), medium, high (to trace) [default: the scene file's,
