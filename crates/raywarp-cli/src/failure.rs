@@ -7,7 +7,6 @@ use raywarp::query::QueryError;
 use raywarp::render::RenderError;
 use raywarp::write::WriteError;
 use raywarp_viewer::serve::ServeError;
-use raywarp_viewer::window::WindowError;
 use raywarp_viewer::ViewerError;
 
 use crate::{say, serve};
@@ -55,7 +54,6 @@ fn is_of_device(cause: &(dyn std::error::Error + 'static)) -> bool {
         || matches!(cause.downcast_ref(), Some(error) if is_viewers_device(error))
         || matches!(cause.downcast_ref(), Some(ServeError::Viewer(error)) if is_viewers_device(error))
         || matches!(cause.downcast_ref(), Some(QueryError::Device(_)))
-        || matches!(cause.downcast_ref(), Some(WindowError::Viewer(error)) if is_viewers_device(error))
 }
 
 fn is_viewers_device(error: &ViewerError) -> bool {

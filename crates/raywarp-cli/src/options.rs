@@ -10,11 +10,10 @@ use raywarp::query::files::{Format, Mode};
 use raywarp::render::{MAX_DEPTH, MAX_SPP};
 use raywarp::scene::{RenderDefaults, Scene, Viewpoint};
 use raywarp_viewer::live::look::MAX_SAMPLES;
-use raywarp_viewer::live::StageOptions;
+use raywarp_viewer::live::{Source, StageOptions};
 
 pub use crate::bench::BenchOptions;
 pub use crate::frames::FrameOptions;
-pub use crate::study::StudyOptions;
 use crate::values;
 
 /// Ray tracing on any CUDA GPU with nothing but its driver, or on the CPU
@@ -36,7 +35,7 @@ const EXAMPLES: &str = "\
 Examples:
   raywarp                                  the built-in scene, to raywarp.png
   raywarp render model.obj -o picture.png  a model, framed and lit if it has no camera and no lights
-  raywarp view model.obj                   walk around it in a window
+  raywarp view model.obj                   walk around it in a window or the browser
   raywarp query model.obj --rays rays.npy  what each of many rays hits, to hits.npz
   raywarp serve model.glb                  walk through a scene in a browser, also one far away
   raywarp info scene.gltf                  what is in a scene
@@ -63,8 +62,9 @@ Examples:
   raywarp view model.glb
   raywarp view scene.toml --watch --size 1920x1080
 
-H shows what keys and pointer do. The close button ends the program.
-Without a display, `raywarp serve` shows the scene in a browser.";
+H shows what keys and pointer do. The window is the program raywarp-window, which is built apart:
+without it, or without a display, the scene is shown in a browser at the address that is printed.
+--size and --fullscreen are the window's.";
 
 const QUERY_EXAMPLES: &str = "\
 Examples:
@@ -100,7 +100,7 @@ pub const DEVICES: [&str; 3] = ["auto", "cpu", "cuda"];
 pub enum Command {
     /// Render a scene to PNG or EXR files
     Render(Box<RenderOptions>),
-    /// Walk through a scene in a window
+    /// Walk through a scene in a window, or in the browser where there is none
     View(Box<ViewOptions>),
     /// Ask many rays what they hit: the closest, any, all of it, or how much
     Query(QueryOptions),
@@ -110,8 +110,6 @@ pub enum Command {
     Info(InfoOptions),
     /// Measure rays a second: primary, shadow, ambient occlusion, diffuse and random, beside other ray tracers
     Bench(Box<BenchOptions>),
-    /// Study how rays are traced best on this device: structures, tests, load, ways to share out the work; as a report
-    Study(Box<StudyOptions>),
     /// Check the CUDA driver and the devices, and say what to do about problems
     Doctor,
     /// Print the completions for a shell
@@ -225,6 +223,13 @@ pub struct ViewOptions {
     /// Take the scene's warnings as errors
     #[arg(long, help_heading = "Messages")]
     pub strict: bool,
+}
+
+impl ViewOptions {
+    /// The scene in the viewer's words.
+    pub fn source(&self) -> Source {
+        Source { path: self.scene.clone(), strict: self.strict, watch: self.watch }
+    }
 }
 
 /// How a scene is shown to people: options of `view` and `serve`.
@@ -446,8 +451,8 @@ pub struct MachineOptions {
     #[arg(long, value_name = "DEVICE", default_value_t, help_heading = "Machine")]
     #[arg(value_parser = values::words::<DeviceChoice>(DEVICES), hide_possible_values = true)]
     pub device: DeviceChoice,
-    /// How to find hits: brute, staged (every triangle), a k-d tree: kd (the paper's), kdsah, kdtrail, or a hierarchy of boxes:
-    /// bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w, bvh8f [default: the scene file's, else the fastest on the device]
+    /// How to find hits: brute (every triangle), kd (the paper's k-d tree), or a hierarchy of boxes: bvh2, bvh2c, bvh, bvh8f
+    /// (for CPUs) [default: the scene file's, else the fastest on the device]
     #[arg(long, value_name = "KIND", help_heading = "Machine")]
     #[arg(value_parser = values::words::<AccelKind>(AccelKind::ALL.map(AccelKind::name)), hide_possible_values = true)]
     pub accel: Option<AccelKind>,

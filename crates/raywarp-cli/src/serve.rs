@@ -1,4 +1,4 @@
-//! `raywarp serve`.
+//! `raywarp serve`, and `raywarp view` where there is no window.
 
 mod secret;
 
@@ -13,8 +13,9 @@ use raywarp::scene::{LoadError, LoadOptions};
 use raywarp_viewer::live::{Source, Stage};
 use raywarp_viewer::serve::{self, Server, Stopper};
 
+use crate::browser;
 use crate::interrupt::{self, INTERRUPTED};
-use crate::options::ServeOptions;
+use crate::options::{LiveOptions, ServeOptions, ViewOptions};
 use crate::render::limit_threads;
 use crate::say;
 
@@ -28,15 +29,26 @@ pub fn run(options: &ServeOptions) -> anyhow::Result<()> {
     // The port comes first: that it is taken should not be told after minutes of reading a scene.
     let server = Server::bind(settings(options)?)?;
     check_scene(options)?;
-    let machine = &options.live.machine;
-    limit_threads(machine.threads)?;
-    let device = Device::open(machine.device)?;
+    let source = Source { path: options.scene.clone(), strict: options.strict, watch: options.watch };
+    show(server, source, &options.live, |_| ())
+}
+
+/// Shows a scene to the browser of this machine, at a port that is free, until it is interrupted.
+pub fn view(options: &ViewOptions) -> anyhow::Result<()> {
+    let server = Server::bind(serve::ServeOptions { port: 0, ..serve::ServeOptions::default() })?;
+    let source = options.source();
+    source.path.as_deref().map_or(Ok(()), is_missing)?;
+    show(server, source, &options.live, |server| browser::open(&server.url()))
+}
+
+fn show(server: Server, source: Source, live: &LiveOptions, told: impl FnOnce(&Server)) -> anyhow::Result<()> {
+    limit_threads(live.machine.threads)?;
+    let device = Device::open(live.machine.device)?;
     say::fallback(&device);
     end_on_interrupt(server.stopper());
-    announce(&server, options)?;
-
-    let source = Source { path: options.scene.clone(), strict: options.strict, watch: options.watch };
-    server.run(|| Stage::open(source, device, options.live.stage()))?;
+    announce(&server, source.path.as_deref())?;
+    told(&server);
+    server.run(|| Stage::open(source, device, live.stage()))?;
     std::process::exit(INTERRUPTED)
 }
 
@@ -74,8 +86,8 @@ fn end_on_interrupt(stopper: Stopper) {
 }
 
 /// The address is the result: it goes to standard output, alone.
-fn announce(server: &Server, options: &ServeOptions) -> anyhow::Result<()> {
-    let scene = options.scene.as_ref().map_or("the built-in scene".to_owned(), |path| path.display().to_string());
+fn announce(server: &Server, scene: Option<&Path>) -> anyhow::Result<()> {
+    let scene = scene.map_or("the built-in scene".to_owned(), |path| path.display().to_string());
     say::line(&format!("{scene} until Ctrl-C, in a browser at"));
     say::out(format!("{}\n", server.url()).as_bytes())?;
     let (command, there) = (server.ssh_line(), server.url_through_ssh());

@@ -1,34 +1,71 @@
-//! `raywarp view`.
+//! `raywarp view`: the window where it is installed, else the page in a browser.
 
-use std::path::PathBuf;
+use std::env;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
-use raywarp::backend::Device;
-use raywarp_viewer::live::{Source, Stage, Viewer};
-use raywarp_viewer::window::{self, Display, WindowOptions};
+use anyhow::Context;
 
-use crate::interrupt::Interrupt;
 use crate::options::ViewOptions;
-use crate::render::limit_threads;
-use crate::say;
+use crate::{browser, serve};
 
-/// Shows a scene in a window until it is closed.
+/// File name of the program that shows a window.
+const WINDOW: &str = if cfg!(windows) { "raywarp-window.exe" } else { "raywarp-window" };
+
+/// Shows a scene until its window is closed, or until an interrupt.
 pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
-    let display = Display::open()?;
-    let interrupt = Interrupt::install();
-    let folder = std::env::current_dir()?;
-    limit_threads(options.live.machine.threads)?;
-
-    let device = Device::open(options.live.machine.device)?;
-    say::fallback(&device);
-    let stage = Stage::open(source(options), device, options.live.stage());
-    let keep = move |name: &str, content: &[u8], files: &[PathBuf]| {
-        let _held = interrupt.hold();
-        window::keep(&folder, name, content, files)
-    };
-    let window = WindowOptions { size: options.size, fullscreen: options.fullscreen, keep: Box::new(keep) };
-    Ok(display.show(stage, Viewer::new(options.size), window)?)
+    match browser::has_display().then(window).flatten() {
+        Some(program) => start(&program),
+        None => serve::view(options),
+    }
 }
 
-fn source(options: &ViewOptions) -> Source {
-    Source { path: options.scene.clone(), strict: options.strict, watch: options.watch }
+/// The window's program: beside this one, else where programs are looked for.
+fn window() -> Option<PathBuf> {
+    let here = env::current_exe().ok();
+    let path = env::var_os("PATH").unwrap_or_default();
+    find(here.as_deref().and_then(Path::parent), &path)
+}
+
+fn find(beside: Option<&Path>, path: &OsStr) -> Option<PathBuf> {
+    let folders = beside.map(Path::to_path_buf).into_iter().chain(env::split_paths(path));
+    folders.map(|folder| folder.join(WINDOW)).find(|program| program.is_file())
+}
+
+/// Gives the words after `view` to the window's program, which has the same options.
+fn start(program: &Path) -> anyhow::Result<()> {
+    let mut command = Command::new(program);
+    command.args(env::args_os().skip(2));
+    let failed = || format!("cannot start {}", program.display());
+    #[cfg(unix)]
+    {
+        use std::os::unix::process::CommandExt;
+        // It takes this program's place: signals and the exit code are its own.
+        Err(command.exec()).with_context(failed)
+    }
+    #[cfg(not(unix))]
+    {
+        let status = command.status().with_context(failed)?;
+        std::process::exit(status.code().unwrap_or(1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_window_beside_the_program_comes_before_one_on_the_path() {
+        let [beside, first, second] = [(); 3].map(|()| tempfile::tempdir().unwrap());
+        let path = env::join_paths([first.path(), second.path()]).unwrap();
+        let put = |folder: &Path| std::fs::write(folder.join(WINDOW), "").unwrap();
+        assert_eq!(find(Some(beside.path()), &path), None);
+        std::fs::create_dir(first.path().join(WINDOW)).unwrap();
+        put(second.path());
+        assert_eq!(find(Some(beside.path()), &path), Some(second.path().join(WINDOW)));
+        put(beside.path());
+        assert_eq!(find(Some(beside.path()), &path), Some(beside.path().join(WINDOW)));
+        assert_eq!(find(None, &path), Some(second.path().join(WINDOW)));
+    }
 }

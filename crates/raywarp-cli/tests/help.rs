@@ -17,7 +17,6 @@ fn the_help_reads_as_it_should() {
     insta::assert_snapshot!("serve", help(&["serve", "--help"]));
     insta::assert_snapshot!("info", help(&["info", "--help"]));
     insta::assert_snapshot!("bench", help(&["bench", "--help"]));
-    insta::assert_snapshot!("study", help(&["study", "--help"]));
     insta::assert_snapshot!("doctor", help(&["doctor", "--help"]));
     insta::assert_snapshot!("completions", help(&["completions", "--help"]));
     insta::assert_snapshot!("man", help(&["man", "--help"]));

@@ -6,6 +6,7 @@ use crate::arch;
 use crate::camera::{pixel_centre, Camera};
 use crate::film::Pixel;
 use crate::math::Vec3;
+use crate::name::Name;
 use crate::ray::{Hit, Ray};
 use crate::sample::{combine, stratified};
 use crate::shade::whitted::{trace, visible, Limits};
@@ -367,113 +368,82 @@ impl<S: Copy, C: Kept> Clone for Whitted<S, C> {
 }
 impl<S: Copy, C: Kept> Copy for Whitted<S, C> {}
 
+macro_rules! of_structures {
+    ($($name:literal: $kernel:ident<$structure:ident $(, $counter:ident)?>, $suffix:expr;)*) => {$(
+        // SAFETY: `for_each_kernel` gives the PTX its entry points by the names that are put together here, and so do the
+        // lists of other crates; a test of each compares them.
+        unsafe impl<$structure: Structure $(, $counter: Kept)?> Kernel for $kernel<$structure $(, $counter)?> {
+            const NAME: &'static str = const { &Name::of([$name, $structure::NAME, $suffix]) }.text();
+            #[inline(always)]
+            unsafe fn thread(&self, thread: Thread) {
+                self.run(thread)
+            }
+        }
+    )*};
+}
+
+of_structures! {
+    "whitted_": Whitted<S, C>, C::SUFFIX;
+    "surfels_": Surfels<S>, "";
+    "closest_": Closest<S>, "";
+    "occluded_": Occluded<S>, "";
+    "count_": Count<S>, "";
+    "all_": All<S>, "";
+}
+
 /// Gives `$use` the list of every kernel with the name of its entry point. The PTX has these and no others.
 #[macro_export]
 macro_rules! for_each_kernel {
     ($use:ident) => {
-        $use! {
+        $crate::for_each_other_kernel! {
+            $use,
             whitted_brute: $crate::kernels::Whitted<$crate::traverse::Brute, $crate::traverse::Uncounted>,
             whitted_kd: $crate::kernels::Whitted<$crate::traverse::KdTree, $crate::traverse::Uncounted>,
-            whitted_kdtrail: $crate::kernels::Whitted<$crate::traverse::KdTrail, $crate::traverse::Uncounted>,
             whitted_bvh2: $crate::kernels::Whitted<$crate::traverse::Bvh2, $crate::traverse::Uncounted>,
             whitted_bvh2c: $crate::kernels::Whitted<$crate::traverse::Compact, $crate::traverse::Uncounted>,
-            whitted_bvh4: $crate::kernels::Whitted<$crate::traverse::Bvh4, $crate::traverse::Uncounted>,
-            whitted_bvh8: $crate::kernels::Whitted<$crate::traverse::Bvh8, $crate::traverse::Uncounted>,
-            whitted_bvh8w: $crate::kernels::Whitted<$crate::traverse::Bvh8w, $crate::traverse::Uncounted>,
-            whitted_bvh8f: $crate::kernels::Whitted<$crate::traverse::Bvh8f, $crate::traverse::Uncounted>,
             whitted_brute_counted: $crate::kernels::Whitted<$crate::traverse::Brute, $crate::traverse::Tests>,
             whitted_kd_counted: $crate::kernels::Whitted<$crate::traverse::KdTree, $crate::traverse::Tests>,
-            whitted_kdtrail_counted: $crate::kernels::Whitted<$crate::traverse::KdTrail, $crate::traverse::Tests>,
             whitted_bvh2_counted: $crate::kernels::Whitted<$crate::traverse::Bvh2, $crate::traverse::Tests>,
             whitted_bvh2c_counted: $crate::kernels::Whitted<$crate::traverse::Compact, $crate::traverse::Tests>,
-            whitted_bvh4_counted: $crate::kernels::Whitted<$crate::traverse::Bvh4, $crate::traverse::Tests>,
-            whitted_bvh8_counted: $crate::kernels::Whitted<$crate::traverse::Bvh8, $crate::traverse::Tests>,
-            whitted_bvh8w_counted: $crate::kernels::Whitted<$crate::traverse::Bvh8w, $crate::traverse::Tests>,
-            whitted_bvh8f_counted: $crate::kernels::Whitted<$crate::traverse::Bvh8f, $crate::traverse::Tests>,
             surfels_brute: $crate::kernels::Surfels<$crate::traverse::Brute>,
             surfels_kd: $crate::kernels::Surfels<$crate::traverse::KdTree>,
-            surfels_kdtrail: $crate::kernels::Surfels<$crate::traverse::KdTrail>,
             surfels_bvh2: $crate::kernels::Surfels<$crate::traverse::Bvh2>,
             surfels_bvh2c: $crate::kernels::Surfels<$crate::traverse::Compact>,
-            surfels_bvh4: $crate::kernels::Surfels<$crate::traverse::Bvh4>,
-            surfels_bvh8: $crate::kernels::Surfels<$crate::traverse::Bvh8>,
-            surfels_bvh8w: $crate::kernels::Surfels<$crate::traverse::Bvh8w>,
-            surfels_bvh8f: $crate::kernels::Surfels<$crate::traverse::Bvh8f>,
-            surfels_instanced: $crate::kernels::Surfels<$crate::traverse::Instanced>,
             closest_brute: $crate::kernels::Closest<$crate::traverse::Brute>,
             closest_kd: $crate::kernels::Closest<$crate::traverse::KdTree>,
-            closest_kdtrail: $crate::kernels::Closest<$crate::traverse::KdTrail>,
             closest_bvh2: $crate::kernels::Closest<$crate::traverse::Bvh2>,
             closest_bvh2c: $crate::kernels::Closest<$crate::traverse::Compact>,
-            closest_bvh4: $crate::kernels::Closest<$crate::traverse::Bvh4>,
-            closest_bvh8: $crate::kernels::Closest<$crate::traverse::Bvh8>,
-            closest_bvh8w: $crate::kernels::Closest<$crate::traverse::Bvh8w>,
-            closest_bvh8f: $crate::kernels::Closest<$crate::traverse::Bvh8f>,
             closest_instanced: $crate::kernels::Closest<$crate::traverse::Instanced>,
             closest_bvh: $crate::kernels::Closest<$crate::traverse::Octants>,
-            closest_bvh_pooled: $crate::pool::Pooled<$crate::traverse::question::ClosestHit>,
             occluded_brute: $crate::kernels::Occluded<$crate::traverse::Brute>,
             occluded_kd: $crate::kernels::Occluded<$crate::traverse::KdTree>,
-            occluded_kdtrail: $crate::kernels::Occluded<$crate::traverse::KdTrail>,
             occluded_bvh2: $crate::kernels::Occluded<$crate::traverse::Bvh2>,
             occluded_bvh2c: $crate::kernels::Occluded<$crate::traverse::Compact>,
-            occluded_bvh4: $crate::kernels::Occluded<$crate::traverse::Bvh4>,
-            occluded_bvh8: $crate::kernels::Occluded<$crate::traverse::Bvh8>,
-            occluded_bvh8w: $crate::kernels::Occluded<$crate::traverse::Bvh8w>,
-            occluded_bvh8f: $crate::kernels::Occluded<$crate::traverse::Bvh8f>,
             occluded_instanced: $crate::kernels::Occluded<$crate::traverse::Instanced>,
             occluded_bvh: $crate::kernels::Occluded<$crate::traverse::Octants>,
-            occluded_bvh_pooled: $crate::pool::Pooled<$crate::traverse::question::AnyHit>,
             count_brute: $crate::kernels::Count<$crate::traverse::Brute>,
             count_kd: $crate::kernels::Count<$crate::traverse::KdTree>,
-            count_kdtrail: $crate::kernels::Count<$crate::traverse::KdTrail>,
             count_bvh2: $crate::kernels::Count<$crate::traverse::Bvh2>,
             count_bvh2c: $crate::kernels::Count<$crate::traverse::Compact>,
-            count_bvh4: $crate::kernels::Count<$crate::traverse::Bvh4>,
-            count_bvh8: $crate::kernels::Count<$crate::traverse::Bvh8>,
-            count_bvh8w: $crate::kernels::Count<$crate::traverse::Bvh8w>,
-            count_bvh8f: $crate::kernels::Count<$crate::traverse::Bvh8f>,
             count_instanced: $crate::kernels::Count<$crate::traverse::Instanced>,
             all_brute: $crate::kernels::All<$crate::traverse::Brute>,
             all_kd: $crate::kernels::All<$crate::traverse::KdTree>,
-            all_kdtrail: $crate::kernels::All<$crate::traverse::KdTrail>,
             all_bvh2: $crate::kernels::All<$crate::traverse::Bvh2>,
             all_bvh2c: $crate::kernels::All<$crate::traverse::Compact>,
-            all_bvh4: $crate::kernels::All<$crate::traverse::Bvh4>,
-            all_bvh8: $crate::kernels::All<$crate::traverse::Bvh8>,
-            all_bvh8w: $crate::kernels::All<$crate::traverse::Bvh8w>,
-            all_bvh8f: $crate::kernels::All<$crate::traverse::Bvh8f>,
             all_instanced: $crate::kernels::All<$crate::traverse::Instanced>,
-            whitted_brute_clocked: $crate::kernels::Whitted<$crate::traverse::Brute, $crate::traverse::Clocks>,
-            whitted_kd_clocked: $crate::kernels::Whitted<$crate::traverse::KdTree, $crate::traverse::Clocks>,
-            whitted_bvh2_clocked: $crate::kernels::Whitted<$crate::traverse::Bvh2, $crate::traverse::Clocks>,
-            whitted_staged: $crate::kernels::Whitted<$crate::traverse::Staged, $crate::traverse::Uncounted>,
-            whitted_staged_counted: $crate::kernels::Whitted<$crate::traverse::Staged, $crate::traverse::Tests>,
-            surfels_staged: $crate::kernels::Surfels<$crate::traverse::Staged>,
-            closest_staged: $crate::kernels::Closest<$crate::traverse::Staged>,
-            occluded_staged: $crate::kernels::Occluded<$crate::traverse::Staged>,
-            count_staged: $crate::kernels::Count<$crate::traverse::Staged>,
-            all_staged: $crate::kernels::All<$crate::traverse::Staged>,
-            closest_ifif: $crate::sharing::direct::Direct<$crate::sharing::form::IfIf, $crate::traverse::question::ClosestHit>,
-            closest_whilewhile: $crate::sharing::direct::Direct<$crate::sharing::form::WhileWhile, $crate::traverse::question::ClosestHit>,
-            closest_speculative: $crate::sharing::direct::Direct<$crate::sharing::form::Speculative, $crate::traverse::question::ClosestHit>,
-            closest_postponed: $crate::sharing::direct::Direct<$crate::sharing::form::Postponed, $crate::traverse::question::ClosestHit>,
-            closest_queued: $crate::sharing::queued::Queued<$crate::traverse::question::ClosestHit>,
-            closest_refill: $crate::sharing::refill::Refill<$crate::sharing::form::WhileWhile, $crate::traverse::question::ClosestHit>,
-            closest_refill_speculative: $crate::sharing::refill::Refill<$crate::sharing::form::Speculative, $crate::traverse::question::ClosestHit>,
-            occluded_ifif: $crate::sharing::direct::Direct<$crate::sharing::form::IfIf, $crate::traverse::question::AnyHit>,
-            occluded_whilewhile: $crate::sharing::direct::Direct<$crate::sharing::form::WhileWhile, $crate::traverse::question::AnyHit>,
-            occluded_speculative: $crate::sharing::direct::Direct<$crate::sharing::form::Speculative, $crate::traverse::question::AnyHit>,
-            occluded_postponed: $crate::sharing::direct::Direct<$crate::sharing::form::Postponed, $crate::traverse::question::AnyHit>,
-            occluded_queued: $crate::sharing::queued::Queued<$crate::traverse::question::AnyHit>,
-            occluded_refill: $crate::sharing::refill::Refill<$crate::sharing::form::WhileWhile, $crate::traverse::question::AnyHit>,
-            occluded_refill_speculative: $crate::sharing::refill::Refill<$crate::sharing::form::Speculative, $crate::traverse::question::AnyHit>,
-            paths: $crate::sharing::paths::Paths,
-            bounce: $crate::sharing::paths::Bounce,
-            sort_tell: $crate::sharing::sort::Tell,
-            sort_sum: $crate::sharing::sort::Sum,
-            sort_begin: $crate::sharing::sort::Begin,
-            sort_move: $crate::sharing::sort::Move,
+        }
+    };
+}
+
+/// As [`for_each_kernel`], of these kernels and those that are not of any structure.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! for_each_other_kernel {
+    ($use:ident, $($others:tt)*) => {
+        $use! {
+            $($others)*
+            closest_bvh_pooled: $crate::pool::Pooled<$crate::traverse::question::ClosestHit>,
+            occluded_bvh_pooled: $crate::pool::Pooled<$crate::traverse::question::AnyHit>,
             develop: $crate::screen::Develop,
             ranges: $crate::screen::Ranges,
             paint: $crate::screen::Paint,
@@ -484,8 +454,7 @@ macro_rules! for_each_kernel {
 }
 
 macro_rules! implement {
-    ($($name:ident: $kernel:ty),* $(,)?) => {
-        $(
+    ($($name:ident: $kernel:ty),* $(,)?) => {$(
         // SAFETY: `for_each_kernel` gives the PTX its entry points by the same names and types.
         unsafe impl Kernel for $kernel {
             const NAME: &'static str = stringify!($name);
@@ -493,11 +462,33 @@ macro_rules! implement {
             unsafe fn thread(&self, thread: Thread) {
                 self.run(thread)
             }
-        })*
+        }
+    )*};
+}
 
+for_each_other_kernel!(implement,);
+
+macro_rules! names {
+    ($($name:ident: $kernel:ty),* $(,)?) => {
         /// Every entry point of the PTX.
         pub const NAMES: &[&str] = &[$(stringify!($name)),*];
     };
 }
 
-for_each_kernel!(implement);
+for_each_kernel!(names);
+
+#[cfg(test)]
+mod tests {
+    use super::Kernel;
+
+    macro_rules! check {
+        ($($name:ident: $kernel:ty),* $(,)?) => {
+            #[test]
+            fn kernels_have_the_names_of_their_entry_points() {
+                $(assert_eq!(<$kernel as Kernel>::NAME, stringify!($name));)*
+            }
+        };
+    }
+
+    for_each_kernel!(check);
+}

@@ -8,8 +8,8 @@
 //! The modules in the order in which a ray meets them: [`camera`] and [`sample`] make it, [`traverse`] finds the
 //! [`triangle`] it hits, [`surface`], [`material`] and [`texture`] say what is there, [`light`] and [`shade`] what it
 //! sends back, [`film`] keeps the sum, which [`display`] and [`screen`] show. [`refit`] moves triangles
-//! within a tree. [`pool`] answers batches whose rays go different ways; [`sharing`] has other ways to share out rays among
-//! threads, for measuring. [`kernels`] lists what can be launched.
+//! within a tree. [`pool`] answers batches whose rays go different ways. [`kernels`] lists what can be launched. What is only
+//! measured is in `lab`.
 #![cfg_attr(target_arch = "nvptx64", no_std)]
 #![cfg_attr(target_arch = "nvptx64", feature(stdarch_nvptx, core_intrinsics, core_float_math, asm_experimental_arch))]
 #![cfg_attr(target_arch = "nvptx64", allow(internal_features))]
@@ -25,17 +25,17 @@ pub mod kernels;
 pub mod light;
 pub mod material;
 pub mod math;
+mod name;
 pub mod pool;
-mod queue;
+pub mod queue;
 pub mod ray;
 pub mod refit;
 pub mod sample;
 pub mod screen;
 pub mod shade;
-pub mod sharing;
-mod stack;
+pub mod stack;
 pub mod surface;
-mod tally;
+pub mod tally;
 pub mod texture;
 pub mod traverse;
 pub mod triangle;

@@ -12,7 +12,7 @@ const DONE: u32 = 1;
 
 /// The rays of a batch from the first to the last, each given to one lane. All threads of a warp ask together.
 #[derive(Clone, Copy)]
-pub(crate) struct Queue<'a> {
+pub struct Queue<'a> {
     numbers: &'a ViewMut<u32>,
     rays: u32,
 }

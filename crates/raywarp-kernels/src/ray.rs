@@ -43,7 +43,7 @@ impl Ray {
     /// The same ray as queries take it: its ends are finite, for what overflows to infinity is no hit, and a direction
     /// so short or so long that distances would lose their digits is zero. NaN stays: such a ray hits nothing.
     #[inline(always)]
-    pub(crate) fn within_range(&self) -> Self {
+    pub fn within_range(&self) -> Self {
         let t_min = if self.t_min < -f32::MAX { -f32::MAX } else { self.t_min };
         let t_max = if self.t_max > f32::MAX { f32::MAX } else { self.t_max };
         let length = self.direction.max_abs();

@@ -6,22 +6,30 @@ use core::mem::MaybeUninit;
 ///
 /// It is apart from the [`Stack`] so that the stack's length stays in a register: an array that is indexed lies in
 /// memory, with all of the object that it belongs to.
-pub(crate) struct Room<T, const N: usize>([MaybeUninit<T>; N]);
+pub struct Room<T, const N: usize>([MaybeUninit<T>; N]);
 
 impl<T, const N: usize> Room<T, N> {
+    /// Without an item.
     #[inline(always)]
     pub fn new() -> Self {
         Self([const { MaybeUninit::uninit() }; N])
     }
 }
 
+impl<T, const N: usize> Default for Room<T, N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 /// A stack within a [`Room`].
-pub(crate) struct Stack<'a, T, const N: usize> {
+pub struct Stack<'a, T, const N: usize> {
     items: &'a mut [MaybeUninit<T>; N],
     len: u32,
 }
 
 impl<'a, T: Copy, const N: usize> Stack<'a, T, N> {
+    /// Without an item.
     #[inline(always)]
     pub fn new(room: &'a mut Room<T, N>) -> Self {
         Self { items: &mut room.0, len: 0 }
@@ -37,9 +45,16 @@ impl<'a, T: Copy, const N: usize> Stack<'a, T, N> {
         }
     }
 
+    /// Number of items.
     #[inline(always)]
     pub fn len(&self) -> u32 {
         self.len
+    }
+
+    /// Whether nothing is left.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
     }
 
     /// As [`push`](Self::push), then moves the item down, not below place `base`, as long as it is `before` the one below.
@@ -62,6 +77,7 @@ impl<'a, T: Copy, const N: usize> Stack<'a, T, N> {
         self.len += 1;
     }
 
+    /// The item that was put aside last; none where there is none left.
     #[inline(always)]
     pub fn pop(&mut self) -> Option<T> {
         self.len = self.len.checked_sub(1)?;

@@ -5,7 +5,7 @@ use crate::view::ViewMut;
 
 /// Such a number.
 #[derive(Clone, Copy)]
-pub(crate) struct Tally(*mut u32);
+pub struct Tally(*mut u32);
 
 impl Tally {
     /// Of a number that nothing but tallies touch during the launch.

@@ -50,7 +50,7 @@ impl<T: Copy> View<T> {
 
     /// The item at `index`, which whoever made the view vouches to be in range.
     #[inline(always)]
-    pub(crate) fn at(&self, index: u32) -> T {
+    pub fn at(&self, index: u32) -> T {
         debug_assert!(index < self.len, "index {index} of {}", self.len);
         // SAFETY: `new` was promised valid items and that indices are in range.
         unsafe { *self.address.add(index as usize) }
@@ -58,7 +58,7 @@ impl<T: Copy> View<T> {
 
     /// The item at `index` where it lies: for large items of which only parts are read.
     #[inline(always)]
-    pub(crate) fn item(&self, index: u32) -> &T {
+    pub fn item(&self, index: u32) -> &T {
         debug_assert!(index < self.len, "index {index} of {}", self.len);
         // SAFETY: as for `at`; nothing writes the items while a kernel runs.
         unsafe { &*self.address.add(index as usize) }
@@ -66,7 +66,7 @@ impl<T: Copy> View<T> {
 
     /// As [`at`](Self::at), by 128-bit loads; for items of 16-byte granules whose every bit pattern is valid.
     #[inline(always)]
-    pub(crate) fn load(&self, index: u32) -> T {
+    pub fn load(&self, index: u32) -> T {
         debug_assert!(index < self.len, "index {index} of {}", self.len);
         // SAFETY: as for `at`; `arch::load` checks the granules when it is compiled.
         unsafe { arch::load(arch::item(self.address, index)) }
@@ -82,7 +82,7 @@ impl<T: Copy> View<T> {
 
     /// As [`load`](Self::load), of a part of the item: what is not asked for is not read.
     #[inline(always)]
-    pub(crate) fn load_part<P: Copy>(&self, index: u32, part: impl FnOnce(&T) -> &P) -> P {
+    pub fn load_part<P: Copy>(&self, index: u32, part: impl FnOnce(&T) -> &P) -> P {
         // SAFETY: the part is valid as the item is; `arch::load` checks the granules when it is compiled.
         unsafe { arch::load(part(self.item(index))) }
     }
@@ -146,7 +146,7 @@ impl<T: Copy> ViewMut<T> {
     /// Where the item at `index` is, for what several threads touch at once. Whoever made the view vouches that it is in
     /// range.
     #[inline(always)]
-    pub(crate) fn shared(&self, index: u32) -> *mut T {
+    pub fn shared(&self, index: u32) -> *mut T {
         debug_assert!(index < self.len, "index {index} of {}", self.len);
         // SAFETY: in range, as `new` was promised.
         unsafe { self.address.add(index as usize) }
@@ -193,18 +193,12 @@ plain!(
     crate::ray::Ray,
     crate::surface::Primitive,
     crate::texture::Texture,
-    crate::sharing::paths::Trail,
-    crate::sharing::paths::Waiting,
-    crate::traverse::StageTimes,
     crate::traverse::Tests,
     crate::traverse::bvh2::Node,
     crate::traverse::compact::Node,
     crate::traverse::instanced::Instance,
-    crate::traverse::bvh4::Node,
-    crate::traverse::bvh8::Node,
     crate::traverse::bvh8f::Block,
     crate::traverse::bvh8f::Node,
-    crate::traverse::bvh8w::Node,
     crate::traverse::kdtree::Node,
     crate::triangle::Triangle,
 );

@@ -23,7 +23,6 @@ pub mod backend;
 pub mod image;
 pub mod query;
 pub mod render;
-pub mod study;
 
 pub use raywarp_scene as scene;
 pub use raywarp_scene::write;

@@ -176,7 +176,7 @@ fn moves_set_the_whole_transform() {
 #[test]
 fn the_render_table_is_read_and_that_of_a_mesh_ignored() {
     let table = "[render]\nsize = [320, 200]\nspp = 4\nmax_depth = 0\nshadows = false\nseed = 4294967295\n\
-                 exposure = -1.5\ntone_map = \"filmic\"\naccel = \"bvh8\"\ntree = \"high\"\n";
+                 exposure = -1.5\ntone_map = \"filmic\"\naccel = \"bvh2c\"\ntree = \"high\"\n";
     let expected = RenderDefaults {
         size: Some([320, 200]),
         spp: Some(4),
@@ -185,7 +185,7 @@ fn the_render_table_is_read_and_that_of_a_mesh_ignored() {
         seed: Some(u32::MAX),
         exposure: Some(-1.5),
         tone_map: Some(ToneMap::Filmic),
-        accel: Some(AccelKind::Bvh8),
+        accel: Some(AccelKind::Bvh2c),
         tree: Some(Quality::High),
     };
     assert_eq!(scene(table).render, expected);

@@ -11,6 +11,9 @@ use serde_json::Value;
 
 use crate::process;
 
+/// Programs of a bundle: package and name.
+const PROGRAMS: [[&str; 2]; 2] = [["raywarp-cli", "raywarp"], ["raywarp-lab", "raywarp-lab"]];
+
 /// Integration tests that run on CUDA when asked to: package and name.
 const GPU_TESTS: [[&str; 2]; 6] = [
     ["raywarp", "conformance"],
@@ -18,13 +21,13 @@ const GPU_TESTS: [[&str; 2]; 6] = [
     ["raywarp", "films"],
     ["raywarp-viewer", "live"],
     ["raywarp-viewer", "edits"],
-    ["raywarp", "sharing"],
+    ["raywarp-lab", "structures"],
 ];
 
 /// Most bytes that are still easily copied.
 const LIMIT: u64 = 150_000_000;
 
-/// Put the program, its GPU tests and the scenes into one folder.
+/// Put the programs, their GPU tests and the scenes into one folder.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Where to; what a bundle puts there is replaced.
@@ -37,7 +40,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (root, folder) = (process::root(), &arguments.folder);
     let tests = folder.join("tests");
     fs::create_dir_all(&tests).with_context(|| format!("cannot make {}", folder.display()))?;
-    copy_program(&program(&root)?, &folder.join("raywarp"))?;
+    for [package, name] in PROGRAMS {
+        copy_program(&executable(&root, &["build", "--package", package], name)?, &folder.join(name))?;
+    }
     for [package, name] in GPU_TESTS {
         copy_program(&test(&root, package, name)?, &tests.join(name))?;
     }
@@ -45,10 +50,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     write_script(&folder.join("run-gpu-tests.sh"))?;
     write(&folder.join("README.md"), include_str!("README.md"))?;
     tell_size(folder)
-}
-
-fn program(root: &Path) -> Result<PathBuf> {
-    executable(root, &["build", "--package", "raywarp-cli"], "raywarp")
 }
 
 fn test(root: &Path, package: &str, name: &str) -> Result<PathBuf> {

@@ -1,4 +1,4 @@
-//! From `crates/raywarp-ptx` to PTX text.
+//! From a crate of entry points to PTX text.
 
 use std::fs;
 
@@ -23,8 +23,8 @@ pub fn compile(places: &Places, toolchain: &Toolchain) -> Result<String> {
         .args(["build", "--release", "--locked", "--target", "nvptx64-nvidia-cuda", "-Zbuild-std=core", "--target-dir"])
         .arg(&target)
         .env("RUSTFLAGS", format!("-Ctarget-cpu={TARGET} {PANICS}"))
-        .current_dir(places.root.join("crates/raywarp-ptx"));
+        .current_dir(places.root.join(places.list.crate_folder));
     process::run(&mut cargo)?;
-    let path = target.join("nvptx64-nvidia-cuda/release/raywarp_ptx.ptx");
+    let path = target.join("nvptx64-nvidia-cuda/release").join(places.list.output);
     fs::read_to_string(&path).with_context(|| format!("the build left no {}", path.display()))
 }

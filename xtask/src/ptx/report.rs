@@ -1,4 +1,4 @@
-//! `docs/kernels.md`: what each kernel needs on each GPU.
+//! A page of numbers: what each kernel needs on each GPU.
 
 use anyhow::Result;
 
@@ -8,7 +8,7 @@ use super::{Kernel, Places};
 
 /// Assembles the modules just made and tells what they need.
 pub fn table(places: &Places, toolchain: &Toolchain, assembler: &Assembler, kernels: &[Kernel]) -> Result<String> {
-    let usages = assembler.assemble_all(&places.fresh_modules(), &names(kernels))?;
+    let usages = assembler.assemble_all(&places.fresh_modules(), &names(kernels), &GPUS)?;
     let rows: Vec<(&str, &[Usage])> =
         kernels.iter().zip(&usages).map(|(kernel, usages)| (kernel.name.as_str(), usages.as_slice())).collect();
     let sizes: Vec<String> =
@@ -20,10 +20,11 @@ pub fn table(places: &Places, toolchain: &Toolchain, assembler: &Assembler, kern
         _ => section(&spilling, |usage| usage.spills),
     };
     Ok(format!(
-        "# What the kernels need\n\n{}\n\nWritten by `cargo xtask ptx`; a column is a compute capability.\n\n\
+        "# {}\n\n{}\n\nWritten by `cargo xtask ptx`; a column is a compute capability.\n\n\
          ## Registers a thread\n\n{}\n## Stack a thread, bytes\n\nWith that of called functions.\n\n{}\n\
          ## Spilled registers, bytes stored and loaded\n\n{spills}\n\
          ## Size of the PTX, bytes\n\n| kernel | bytes |\n| --- | ---: |\n{}",
+        places.list.title,
         made_with(toolchain, assembler),
         section(&rows, |usage| usage.registers),
         section(&rows, |usage| usage.stack),

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use anyhow::Context;
-use raywarp::accel::{Accel, Build};
+use raywarp::accel::Quality;
 use raywarp::backend::Device;
-use raywarp::query::{opaque_triangles, Answers, Cost, RayCaster, RayKind, RaySource, Timed, Workload};
+use raywarp::query::{opaque_triangles, Answers, Cost, RayKind, RaySource, Timed, Workload};
 use raywarp::render::default_camera;
 use raywarp::scene::Scene;
 use raywarp::Triangle;
@@ -14,6 +14,7 @@ use super::exchange::{write_rays, write_scene};
 use super::options::BenchOptions;
 use super::peers::Peer;
 use super::results::{differing, Agreement, PeerRow, Results, Row, Speed, Task};
+use super::structures::{Built, Structures};
 use super::suite::Subject;
 use crate::say;
 
@@ -24,8 +25,10 @@ const COUNTED: usize = 100_000;
 pub struct Contest<'a> {
     /// What the command line says.
     pub options: &'a BenchOptions,
-    /// Structures and their qualities.
-    pub builds: Vec<Build>,
+    /// Whoever builds.
+    pub structures: &'a dyn Structures,
+    /// Names of structures and their qualities.
+    pub builds: Vec<(String, Quality)>,
     /// Kinds of rays.
     pub kinds: Vec<RayKind>,
     /// Where raywarp runs.
@@ -38,9 +41,9 @@ pub struct Contest<'a> {
 
 /// A structure over the scene, on the host and on the device.
 struct Entrant {
-    build: Build,
-    structure: Accel,
-    caster: RayCaster,
+    name: String,
+    quality: Quality,
+    built: Built,
 }
 
 /// A structure with rays before it.
@@ -65,7 +68,7 @@ impl Contest<'_> {
 
         let primary = source.primary();
         let first = entrants.first().context("there is no structure to measure")?;
-        let spots = source.spots(&primary.rays, &first.caster.hits(&primary.rays)?);
+        let spots = source.spots(&primary.rays, &first.built.caster.hits(&primary.rays)?);
         for kind in self.kinds.clone() {
             let workload = source.workload(kind, &spots, self.options.min_rays as usize);
             if workload.rays.is_empty() {
@@ -82,10 +85,10 @@ impl Contest<'_> {
 
     /// Builds every structure and copies it to the device.
     fn entrants(&self, scene: &str, triangles: &[Triangle]) -> anyhow::Result<Vec<Entrant>> {
-        let entrant = |&build: &Build| {
-            say::line(&format!("{scene}: building {}, {} ...", build.kind, build.quality));
-            let structure = Accel::build(build, triangles.to_vec())?;
-            Ok(Entrant { build, caster: RayCaster::of(&structure, self.device)?, structure })
+        let entrant = |(name, quality): &(String, Quality)| {
+            say::line(&format!("{scene}: building {name}, {quality} ..."));
+            let built = self.structures.build(name, *quality, triangles, self.device)?;
+            Ok(Entrant { name: name.clone(), quality: *quality, built })
         };
         self.builds.iter().map(entrant).collect()
     }
@@ -136,8 +139,8 @@ impl Contest<'_> {
 
         let mut reference = None;
         for runner in runners {
-            let structure = &runner.entrant.structure;
-            let cost = || Cost::of(structure, &workload.rays, task.any_hit, COUNTED);
+            let tests = &runner.entrant.built.tests;
+            let cost = || Cost::mean(&tests(&workload.rays, task.any_hit, COUNTED));
             let cost = self.options.counts.then(cost);
             let (row, answers) = runner.finish(task)?;
             let differ = reference.as_ref().map_or(0, |reference| differing(&answers, reference));
@@ -163,18 +166,18 @@ impl Contest<'_> {
 
 impl<'a> Runner<'a> {
     fn new(entrant: &'a Entrant, task: &Task, workload: &Workload) -> anyhow::Result<Self> {
-        Ok(Self { entrant, batch: entrant.caster.timed(&workload.rays, task.any_hit)?, seconds: Vec::new() })
+        Ok(Self { entrant, batch: entrant.built.caster.timed(&workload.rays, task.any_hit)?, seconds: Vec::new() })
     }
 
     fn finish(mut self, task: &Task) -> anyhow::Result<(Row, Answers)> {
         let kernel = self.batch.kernel_info()?;
         let answers = self.batch.answers()?;
-        let (stats, build) = (self.entrant.structure.stats(), self.entrant.build);
-        let triangle_bytes = size_of_val(&*self.entrant.structure.triangles());
+        let Entrant { name, quality, built: Built { stats, triangle_bytes, .. } } = self.entrant;
+        let triangle_bytes = *triangle_bytes;
         let row = Row {
             task: task.clone(),
-            layout: build.kind,
-            tree: build.quality,
+            layout: name.clone(),
+            tree: *quality,
             speed: Speed::of(task.count, self.seconds),
             hit_share: answers.hits() as f64 / task.count as f64,
             differ: 0,

@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use raywarp::accel::{fastest_on, AccelKind};
 use raywarp::backend::Device;
-use raywarp::render::{RenderOptions, Rendering, Tracer};
+use raywarp::render::{RenderOptions, Rendering};
 use raywarp::scene::Scene;
 use serde::Serialize;
 
 use super::machine::Machine;
 use super::options::BenchOptions;
 use super::spread::Spread;
+use super::structures::{fastest_on, Structures};
 use super::suite::BUILT_IN;
 use crate::interrupt::Interrupt;
 use crate::output::to_standard_output;
@@ -45,7 +45,7 @@ struct Row {
 }
 
 /// Times every structure on a scene.
-pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
+pub fn run(options: &BenchOptions, structures: &dyn Structures) -> anyhow::Result<()> {
     anyhow::ensure!(
         options.subjects.scenes.len() < 2,
         "--frames takes one scene, and there are {}",
@@ -54,11 +54,11 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
     let _ends = Interrupt::install();
     limit_threads(options.threads)?;
     let loaded = read(options.subjects.scenes.first().map(PathBuf::as_path), false, &mut to_standard_output()?)?;
-    let device = Device::open(options.device)?;
+    let device = structures.open(options.device)?;
     let mut bench = Bench::new(options, options.one_size()?, &device);
-    let structures = [AccelKind::Brute, AccelKind::Kd, fastest_on(&device)];
-    for &accel in if options.layout.is_empty() { &structures } else { &options.layout[..] } {
-        bench.measure(&loaded.scene, accel, &device)?;
+    let usual = ["brute", "kd", fastest_on(&device)].map(str::to_owned);
+    for name in if options.layout.is_empty() { &usual } else { &options.layout[..] } {
+        bench.measure(name, &loaded.scene, structures, &device)?;
     }
     say::results(&bench, options.json, || bench.table())
 }
@@ -76,8 +76,14 @@ impl Bench {
         }
     }
 
-    fn measure(&mut self, scene: &Scene, accel: AccelKind, device: &Device) -> anyhow::Result<()> {
-        let tracer = Tracer::new(scene, accel, device)?;
+    fn measure(
+        &mut self,
+        accel: &str,
+        scene: &Scene,
+        structures: &dyn Structures,
+        device: &Device,
+    ) -> anyhow::Result<()> {
+        let tracer = structures.tracer(accel, scene, device)?;
         self.triangles = tracer.report().triangles;
         let camera = tracer.default_camera();
         let render = |max_depth, shadows, count_tests| -> anyhow::Result<Rendering> {

@@ -14,21 +14,29 @@ mod peers;
 mod rays;
 mod results;
 mod spread;
+mod structures;
 mod suite;
 mod table;
 
 pub use machine::among;
 pub use options::BenchOptions;
 pub use spread::{quantile, Spread};
+pub use structures::{Built, Own, Structures};
 pub use suite::{subjects, Subject, SubjectOptions};
 
 /// Measures what the options ask for.
 pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
+    run_with(options, &Own)
+}
+
+/// The same over these structures; the viewer has its own.
+pub fn run_with(options: &BenchOptions, structures: &dyn Structures) -> anyhow::Result<()> {
+    options.layout.iter().try_for_each(|name| structures.is_hierarchy(name).map(drop))?;
     if options.frames {
-        frames::run(options)
+        frames::run(options, structures)
     } else if options.live {
         live::run(options)
     } else {
-        rays::run(options)
+        rays::run(options, structures)
     }
 }

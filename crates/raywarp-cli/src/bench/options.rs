@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use raywarp::accel::{AccelKind, Quality};
+use raywarp::accel::Quality;
 use raywarp::backend::DeviceChoice;
 use raywarp::query::RayKind;
 
@@ -49,12 +49,11 @@ pub struct BenchOptions {
     #[arg(long, value_name = "LIST", value_delimiter = ',', help_heading = "What to measure")]
     #[arg(value_parser = values::words::<RayKind>(RayKind::ALL.map(RayKind::name)), hide_possible_values = true)]
     pub rays: Vec<RayKind>,
-    /// Structures, with commas: brute, staged, kd, kdsah, kdtrail, bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w, bvh8f; none: the fastest on
-    /// the device, with --frames brute, kd and that (brute takes hours on a CPU), with --live the viewer's own
+    /// Structures, with commas: brute, kd, bvh2, bvh2c, bvh, bvh8f (CPUs); none: the fastest on the device, with --frames
+    /// brute, kd and that (brute takes hours on a CPU), with --live the viewer's own
     #[arg(long, visible_alias = "accel", value_name = "LIST", value_delimiter = ',')]
     #[arg(help_heading = "What to measure")]
-    #[arg(value_parser = values::words::<AccelKind>(AccelKind::ALL.map(AccelKind::name)), hide_possible_values = true)]
-    pub layout: Vec<AccelKind>,
+    pub layout: Vec<String>,
     /// Qualities of the trees, with commas: fast, medium, high
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "medium")]
     #[arg(help_heading = "What to measure")]

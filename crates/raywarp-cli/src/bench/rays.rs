@@ -1,8 +1,7 @@
 //! `raywarp bench`: rays a second.
 
 use anyhow::Context;
-use raywarp::accel::{fastest_on, AccelKind, Build, Quality};
-use raywarp::backend::Device;
+use raywarp::accel::Quality;
 use raywarp::query::RayKind;
 
 use super::contest::Contest;
@@ -10,6 +9,7 @@ use super::machine::Machine;
 use super::options::BenchOptions;
 use super::peers::Peer;
 use super::results::Results;
+use super::structures::{fastest_on, Structures};
 use super::suite::subjects;
 use crate::interrupt::Interrupt;
 use crate::output::to_standard_output;
@@ -20,12 +20,12 @@ use crate::say;
 const REPEATS: u32 = 20;
 
 /// Measures every scene that the options name.
-pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
+pub fn run(options: &BenchOptions, structures: &dyn Structures) -> anyhow::Result<()> {
     let interrupt = Interrupt::install();
     let mut outputs = to_standard_output()?;
     outputs.reads(&options.subjects.suite)?;
     let subjects = subjects(&options.subjects)?;
-    let device = Device::open(options.device)?;
+    let device = structures.open(options.device)?;
     // Peers use one thread of the CPU.
     let alone = !options.peers.is_empty() && !device.is_cuda();
     limit_threads(options.threads.or(alone.then_some(1)))?;
@@ -42,12 +42,14 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
     interrupt.unfinished(folder.path().to_owned());
     let mut contest = Contest {
         options,
-        builds: builds(options, &device),
+        structures,
+        builds: Vec::new(),
         kinds: if options.rays.is_empty() { RayKind::ALL.to_vec() } else { options.rays.clone() },
         device: &device,
         peers: Vec::new(),
         folder: folder.path(),
     };
+    contest.builds = builds(options, &contest)?;
     contest.peers = peers(options, &contest, &mut results);
 
     for subject in subjects {
@@ -62,15 +64,16 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
 }
 
 /// Every structure with every quality that it has.
-fn builds(options: &BenchOptions, device: &Device) -> Vec<Build> {
-    let layouts = if options.layout.is_empty() { &[fastest_on(device)] } else { &options.layout[..] };
-    let qualities = |kind: AccelKind| match kind.is_hierarchy() {
-        true => options.tree.clone(),
-        false => vec![Quality::default()],
-    };
-    let builds =
-        |&kind: &AccelKind| qualities(kind).into_iter().map(move |quality| Build { kind, quality, cached: false });
-    layouts.iter().flat_map(builds).collect()
+fn builds(options: &BenchOptions, contest: &Contest) -> anyhow::Result<Vec<(String, Quality)>> {
+    let fastest = [fastest_on(contest.device).to_owned()];
+    let layouts = if options.layout.is_empty() { &fastest[..] } else { &options.layout[..] };
+    let mut builds = Vec::new();
+    for name in layouts {
+        let has_several = contest.structures.is_hierarchy(name)?;
+        let qualities = if has_several { &options.tree[..] } else { &[Quality::Medium] };
+        builds.extend(qualities.iter().map(|&quality| (name.clone(), quality)));
+    }
+    Ok(builds)
 }
 
 /// The peers that run on the device's machine; a note for each that does not.

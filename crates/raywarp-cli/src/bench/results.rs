@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use raywarp::accel::{AccelKind, Quality};
+use raywarp::accel::Quality;
 use raywarp::backend::KernelInfo;
 use raywarp::query::{Answers, Cost, RayKind};
 use serde::Serialize;
@@ -62,7 +62,7 @@ pub struct Speed {
 pub struct Row {
     #[serde(flatten)]
     pub task: Task,
-    pub layout: AccelKind,
+    pub layout: String,
     pub tree: Quality,
     #[serde(flatten)]
     pub speed: Speed,

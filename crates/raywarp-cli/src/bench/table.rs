@@ -31,7 +31,7 @@ impl Results {
         let mut columns: Vec<Column<'_, Row>> = vec![
             left("scene", |row: &Row| row.task.scene.clone()),
             left("rays", |row: &Row| row.task.rays.to_string()),
-            left("layout", |row: &Row| row.layout.to_string()),
+            left("layout", |row: &Row| row.layout.clone()),
             left("tree", |row: &Row| row.tree.to_string()),
             right("Mrays/s", |row: &Row| spread(&row.speed)),
             right("hits", |row: &Row| format!("{:.1} %", 100.0 * row.hit_share)),

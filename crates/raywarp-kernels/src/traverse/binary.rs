@@ -57,17 +57,17 @@ pub fn meeting(enter: [f32; 3], leave: [f32; 3], t_min: f32, t_far: f32, link: u
 }
 
 /// Links below this are nodes.
-pub(crate) const LEAVES: u32 = 1 << 28;
+pub const LEAVES: u32 = 1 << 28;
 
 /// Links of a way down: one is put aside at each of at most [`MAX_DEPTH`] nodes, `validate` sees to that.
-pub(crate) type Aside<'a> = Links<'a, { MAX_DEPTH + 1 }>;
+pub type Aside<'a> = Links<'a, { MAX_DEPTH + 1 }>;
 
 /// Where those lie.
 pub type Room = [MaybeUninit<u32>; MAX_DEPTH + 1];
 
 /// From a node's children to the next link.
 #[inline(always)]
-pub(crate) fn step<V: Visitor>(links: &mut Aside, a: Meeting, b: Meeting) -> u32 {
+pub fn step<V: Visitor>(links: &mut Aside, a: Meeting, b: Meeting) -> u32 {
     // SAFETY: see `Aside`.
     unsafe {
         if V::ORDERED {
@@ -83,7 +83,7 @@ pub(crate) fn step<V: Visitor>(links: &mut Aside, a: Meeting, b: Meeting) -> u32
 /// # Safety
 /// The end was not reached before.
 #[inline(always)]
-pub(crate) unsafe fn step_back<V: Visitor>(links: &mut Aside) -> u32 {
+pub unsafe fn step_back<V: Visitor>(links: &mut Aside) -> u32 {
     // SAFETY: the caller's promise.
     unsafe {
         if V::ORDERED {

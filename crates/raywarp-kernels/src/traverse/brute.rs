@@ -14,6 +14,8 @@ pub struct Brute {
 }
 
 impl Structure for Brute {
+    const NAME: &'static str = "brute";
+
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         let across = Across::new(ray);

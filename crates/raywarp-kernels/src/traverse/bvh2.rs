@@ -106,6 +106,8 @@ pub struct Bvh2 {
 }
 
 impl Structure for Bvh2 {
+    const NAME: &'static str = "bvh2";
+
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         walk(&Full::<ANY>::new(self, ray), self.triangles, ray, counter, visitor);

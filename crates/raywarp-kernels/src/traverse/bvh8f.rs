@@ -58,6 +58,8 @@ struct Entry {
 }
 
 impl Structure for Bvh8f {
+    const NAME: &'static str = "bvh8f";
+
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         let slabs = Slabs::new(ray);

@@ -69,6 +69,8 @@ pub struct Compact {
 }
 
 impl Structure for Compact {
+    const NAME: &'static str = "bvh2c";
+
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         walk(&OnGrid::new(self, ray), self.triangles, ray, counter, visitor);

@@ -66,6 +66,8 @@ pub struct Instanced {
 const RETURN: Child = Child::leaf(MAX_INDEX, MAX_LEAF);
 
 impl Structure for Instanced {
+    const NAME: &'static str = "instanced";
+
     #[inline(always)]
     fn traverse(&self, world: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         if !may_hit(world) {

@@ -96,9 +96,12 @@ pub struct KdTree {
 
 /// A cell that a ray goes through: its node and the piece of the ray inside it.
 #[derive(Clone, Copy)]
-pub(super) struct Cell {
+pub struct Cell {
+    /// Index of the node.
     pub node: u32,
+    /// Distance where the ray enters it, or a little less.
     pub first: f32,
+    /// Distance where the ray leaves it, or a little more.
     pub last: f32,
 }
 
@@ -110,13 +113,14 @@ fn earlier(t: f32) -> f32 {
     arch::fma(t.abs(), -SLACK, t)
 }
 
+/// A distance and a few roundings: cells that begin beyond it are behind it for certain.
 #[inline(always)]
-pub(super) fn later(t: f32) -> f32 {
+pub fn later(t: f32) -> f32 {
     arch::fma(t.abs(), SLACK, t)
 }
 
 /// Where a ray goes from the cell of an inner node.
-pub(super) enum Way {
+pub enum Way {
     /// To one child.
     One(Cell),
     /// To the nearer child, then to the other.
@@ -146,6 +150,8 @@ impl Cell {
 }
 
 impl Structure for KdTree {
+    const NAME: &'static str = "kd";
+
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         let across = Across::new(ray);
@@ -189,7 +195,7 @@ impl Structure for KdTree {
 impl KdTree {
     /// The root's cell, if the ray meets it.
     #[inline(always)]
-    pub(super) fn enter(&self, ray: &Ray, inverse: Vec3) -> Option<Cell> {
+    pub fn enter(&self, ray: &Ray, inverse: Vec3) -> Option<Cell> {
         let a = (self.low - ray.origin) * inverse;
         let b = (self.high - ray.origin) * inverse;
         let (low, high) = (a.min(b), a.max(b));
@@ -201,7 +207,7 @@ impl KdTree {
 
     /// Shows the triangles of a leaf, and answers how far the ray is of interest then: as before where there are none.
     #[inline(always)]
-    pub(super) fn leaf(
+    pub fn leaf(
         &self,
         leaf: Node,
         across: &Across,

@@ -8,20 +8,13 @@ mod all;
 pub mod binary;
 pub mod brute;
 pub mod bvh2;
-pub mod bvh4;
-pub mod bvh8;
 pub mod bvh8f;
-pub mod bvh8w;
-mod clocks;
 pub mod compact;
-mod grid;
 pub mod instanced;
-pub mod kdtrail;
 pub mod kdtree;
 pub mod octants;
 pub mod question;
 mod slabs;
-pub mod staged;
 
 use crate::ray::{Hit, Ray, MISS};
 use crate::triangle::{flags, Across, Triangle};
@@ -29,23 +22,20 @@ use crate::triangle::{flags, Across, Triangle};
 pub use all::{all, Keep, Uncollected};
 pub use brute::Brute;
 pub use bvh2::Bvh2;
-pub use bvh4::Bvh4;
-pub use bvh8::Bvh8;
 pub use bvh8f::Bvh8f;
-pub use bvh8w::Bvh8w;
-pub use clocks::{Clocks, StageTimes};
 pub use compact::Compact;
 pub use instanced::Instanced;
-pub use kdtrail::KdTrail;
 pub use kdtree::KdTree;
 pub use octants::Octants;
-pub use staged::Staged;
 
 /// Answer of a visitor that has seen enough: no distance is left.
 pub const ENOUGH: f32 = f32::NEG_INFINITY;
 
 /// Something that holds triangles and finds those along a ray.
-pub trait Structure: Copy {
+pub trait Structure: Copy + Send + Sync {
+    /// What the names of its kernels end in.
+    const NAME: &'static str;
+
     /// Shows `visitor` each triangle that the ray might meet between its `t_min` and the distance that the last
     /// call returned, at first its `t_max`. A triangle may come more than once.
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor);
@@ -103,11 +93,13 @@ pub enum Stage {
 }
 
 /// A counter whose counts a kernel keeps, pixel by pixel.
-pub trait Kept: Counter {
+pub trait Kept: Counter + Send + Sync {
     /// Whether anything is kept.
     const COUNTS: bool;
+    /// What the names of kernels that keep it end in.
+    const SUFFIX: &'static str;
     /// What is kept of a pixel.
-    type Record: Copy;
+    type Record: Copy + Send + Sync;
     /// What there was of the pixel, and this; `ticks` is the time that the thread took, see [`crate::arch::clock`].
     fn add_to(&self, record: Self::Record, ticks: u32) -> Self::Record;
 }
@@ -120,6 +112,7 @@ impl Counter for Uncounted {}
 
 impl Kept for Uncounted {
     const COUNTS: bool = false;
+    const SUFFIX: &'static str = "";
     type Record = Tests;
     #[inline(always)]
     fn add_to(&self, record: Tests, _: u32) -> Tests {
@@ -156,6 +149,7 @@ impl Counter for Tests {
 
 impl Kept for Tests {
     const COUNTS: bool = true;
+    const SUFFIX: &'static str = "_counted";
     type Record = Tests;
     #[inline(always)]
     fn add_to(&self, record: Tests, _: u32) -> Tests {

@@ -28,6 +28,8 @@ pub fn octant(ray: &Ray) -> u32 {
 }
 
 impl Structure for Octants {
+    const NAME: &'static str = "bvh";
+
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         let octant = octant(ray);

@@ -9,14 +9,8 @@ use std::str::FromStr;
 pub enum AccelKind {
     /// None: every ray tests every triangle. The paper's first version and the oracle of the others.
     Brute,
-    /// The same, with the triangles staged through memory that threads share.
-    Staged,
     /// The paper's k-d tree: median splits, axes in turn.
     Kd,
-    /// The k-d tree of the surface area heuristic, traversed by a stack.
-    KdSah,
-    /// The same, traversed by restarts and a trail, with a stack of four cells.
-    KdTrail,
     /// Binary hierarchy of boxes, 64 bytes a node.
     Bvh2,
     /// The same on a grid of 16 bits an axis, 32 bytes a node.
@@ -24,52 +18,27 @@ pub enum AccelKind {
     /// Both, each for the rays that it suits.
     #[default]
     Bvh,
-    /// Four boxes a node, quantised to eight bits: 64 bytes.
-    Bvh4,
-    /// Eight boxes a node, compressed to 80 bytes.
-    Bvh8,
-    /// Eight boxes a node, quantised to eight bits, with a link each: 128 bytes.
-    Bvh8w,
-    /// Eight boxes a node in full precision, for the vector instructions of a CPU.
+    /// Eight boxes a node in full precision, for the vector instructions of a CPU; GPUs have no kernels for it.
     Bvh8f,
 }
 
 impl AccelKind {
     /// Every kind.
-    pub const ALL: [Self; 12] = [
-        Self::Brute,
-        Self::Staged,
-        Self::Kd,
-        Self::KdSah,
-        Self::KdTrail,
-        Self::Bvh2,
-        Self::Bvh2c,
-        Self::Bvh,
-        Self::Bvh4,
-        Self::Bvh8,
-        Self::Bvh8w,
-        Self::Bvh8f,
-    ];
+    pub const ALL: [Self; 6] = [Self::Brute, Self::Kd, Self::Bvh2, Self::Bvh2c, Self::Bvh, Self::Bvh8f];
 
     /// Whether this is a hierarchy of boxes, in some layout. Those come in several qualities, and are kept on disk.
     pub const fn is_hierarchy(self) -> bool {
-        !matches!(self, Self::Brute | Self::Staged | Self::Kd | Self::KdSah | Self::KdTrail)
+        !matches!(self, Self::Brute | Self::Kd)
     }
 
     /// The name that [`FromStr`] reads.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Brute => "brute",
-            Self::Staged => "staged",
             Self::Kd => "kd",
-            Self::KdSah => "kdsah",
-            Self::KdTrail => "kdtrail",
             Self::Bvh2 => "bvh2",
             Self::Bvh2c => "bvh2c",
             Self::Bvh => "bvh",
-            Self::Bvh4 => "bvh4",
-            Self::Bvh8 => "bvh8",
-            Self::Bvh8w => "bvh8w",
             Self::Bvh8f => "bvh8f",
         }
     }
@@ -83,9 +52,7 @@ impl fmt::Display for AccelKind {
 
 /// A name that belongs to no structure.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "'{0}' is no acceleration structure; expected brute, staged, kd, kdsah, kdtrail, bvh2, bvh2c, bvh, bvh4, bvh8, bvh8w or bvh8f"
-)]
+#[error("'{0}' is no acceleration structure; expected brute, kd, bvh2, bvh2c, bvh or bvh8f")]
 pub struct UnknownKind(pub String);
 
 impl FromStr for AccelKind {

@@ -6,7 +6,7 @@ use raywarp_kernels::triangle::{padded, Triangle};
 
 /// From `low` to `high`, both included.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Bounds {
+pub struct Bounds {
     pub low: [f32; 3],
     pub high: [f32; 3],
 }

@@ -1,7 +1,6 @@
 //! The boxes of a structure by their distance from the root, to be looked at.
 
-use std::borrow::Cow;
-
+use raywarp_kernels::math::Vec3;
 use raywarp_kernels::traverse;
 use raywarp_kernels::triangle::Triangle;
 
@@ -9,8 +8,7 @@ use super::bounds::Bounds;
 use super::bvh2::{child_box, children_of};
 use super::collapse::Link;
 use super::wide::Told;
-use super::{bvh4, bvh8, bvh8f, bvh8w, compact, kdtree, Accel, Resident};
-use crate::backend::DeviceError;
+use super::{bvh8f, compact, kdtree, Accel};
 
 /// Most boxes of a structure that are told at once.
 pub const MAX_BOXES: usize = 1 << 14;
@@ -34,83 +32,54 @@ impl Accel {
     /// all triangles. The last levels are left out, each as a whole, where there would be more than [`MAX_BOXES`]. A list
     /// of triangles has one box, an empty scene none.
     pub fn boxes(&self, level: u32) -> Vec<TreeBox> {
-        let nodes = match self {
-            Self::Brute(list) | Self::Staged(list) => Nodes::List(Cow::from(list.triangles())),
-            Self::Kd(tree) | Self::KdSah(tree) | Self::KdTrail(tree) => {
-                Nodes::Kd(tree.nodes().into(), tree.bounds().map(|corner| corner.to_array()))
-            }
-            Self::Bvh2(tree) => Nodes::Bvh2(tree.nodes().into()),
-            Self::Bvh2c(tree) => Nodes::Bvh2c(tree.nodes().into(), tree.grid),
-            Self::Bvh(tree) => Nodes::Bvh2(tree.full.nodes().into()),
-            Self::Bvh4(tree) => Nodes::Bvh4(tree.nodes().into()),
-            Self::Bvh8(tree) => Nodes::Bvh8(tree.nodes().into()),
-            Self::Bvh8w(tree) => Nodes::Bvh8w(tree.nodes().into()),
-            Self::Bvh8f(tree) => Nodes::Bvh8f(tree.nodes().into()),
-        };
-        nodes.boxes(level)
+        match self {
+            Self::Brute(list) => of_list(list.triangles(), level),
+            Self::Kd(tree) => of_cells(tree.nodes(), tree.bounds(), level),
+            Self::Bvh2(tree) => of_bvh2(tree.nodes(), level),
+            Self::Bvh2c(tree) => of_compact(tree.nodes(), &tree.grid, level),
+            Self::Bvh(tree) => of_bvh2(tree.full.nodes(), level),
+            Self::Bvh8f(tree) => of_wide(tree.nodes(), level, bvh8f::told),
+        }
     }
-}
-
-impl Resident {
-    /// See [`Accel::boxes`]. Reads all nodes back from the device, as they are now.
-    pub fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
-        let nodes = match self {
-            Self::Brute { triangles } | Self::Staged { triangles } => Nodes::List(triangles.items()?),
-            Self::Kd(tree) | Self::KdTrail(tree) => {
-                Nodes::Kd(tree.nodes.items()?, tree.bounds.map(|corner| corner.to_array()))
-            }
-            Self::Bvh2 { nodes, .. } | Self::Bvh { full: nodes, .. } => Nodes::Bvh2(nodes.items()?),
-            Self::Bvh2c { nodes, grid, .. } => Nodes::Bvh2c(nodes.items()?, *grid),
-            Self::Bvh4 { nodes, .. } => Nodes::Bvh4(nodes.items()?),
-            Self::Bvh8 { nodes, .. } => Nodes::Bvh8(nodes.items()?),
-            Self::Bvh8w { nodes, .. } => Nodes::Bvh8w(nodes.items()?),
-            Self::Bvh8f { nodes, .. } => Nodes::Bvh8f(nodes.items()?),
-        };
-        Ok(nodes.boxes(level))
-    }
-}
-
-/// What is read of a structure for its boxes.
-enum Nodes<'a> {
-    List(Cow<'a, [Triangle]>),
-    /// With the low and high corner of the root.
-    Kd(Cow<'a, [traverse::kdtree::Node]>, [[f32; 3]; 2]),
-    Bvh2(Cow<'a, [traverse::bvh2::Node]>),
-    Bvh2c(Cow<'a, [traverse::compact::Node]>, traverse::compact::Grid),
-    Bvh4(Cow<'a, [traverse::bvh4::Node]>),
-    Bvh8(Cow<'a, [traverse::bvh8::Node]>),
-    Bvh8w(Cow<'a, [traverse::bvh8w::Node]>),
-    Bvh8f(Cow<'a, [traverse::bvh8f::Node]>),
 }
 
 /// The boxes in one, and the nodes that tell what is in those; leaves that are no nodes have none.
 type Parts = [Option<(Bounds, Option<u32>)>; 8];
 
-impl Nodes<'_> {
-    fn boxes(&self, level: u32) -> Vec<TreeBox> {
-        let root = match self {
-            Self::List(triangles) => triangles.iter().map(Bounds::of).fold(Bounds::EMPTY, |all, b| all.join(&b)),
-            // The tree of an empty scene is a leaf.
-            Self::Kd(nodes, _) if matches!(&nodes[..], [node] if node.count() == 0) => Bounds::EMPTY,
-            Self::Kd(_, [low, high]) => Bounds { low: *low, high: *high },
-            _ => self.parts(0, &Bounds::ALL).iter().flatten().fold(Bounds::EMPTY, |all, (part, _)| all.join(part)),
-        };
-        walk(root, level, |node, cell| self.parts(node, cell))
-    }
+/// The box of a list.
+pub fn of_list(triangles: &[Triangle], level: u32) -> Vec<TreeBox> {
+    let root = triangles.iter().map(Bounds::of).fold(Bounds::EMPTY, |all, bounds| all.join(&bounds));
+    walk(root, level, |_, _| [None; 8])
+}
 
-    /// What is in a node, which has the box `cell`.
-    fn parts(&self, node: u32, cell: &Bounds) -> Parts {
-        match self {
-            Self::List(_) => [None; 8],
-            Self::Kd(nodes, _) => at(nodes, node, |node| cells(node, cell)),
-            Self::Bvh2(nodes) => at(nodes, node, sides),
-            Self::Bvh2c(nodes, grid) => at(nodes, node, |node| sides(&compact::expand(node, grid))),
-            Self::Bvh4(nodes) => at(nodes, node, |node| told(bvh4::told(node))),
-            Self::Bvh8(nodes) => at(nodes, node, |node| told(bvh8::told(node).unwrap_or_default())),
-            Self::Bvh8w(nodes) => at(nodes, node, |node| told(bvh8w::told(node))),
-            Self::Bvh8f(nodes) => at(nodes, node, |node| told(bvh8f::told(node))),
-        }
-    }
+/// The cells of a k-d tree, whose root goes from a low to a high corner.
+pub fn of_cells(nodes: &[traverse::kdtree::Node], corners: [Vec3; 2], level: u32) -> Vec<TreeBox> {
+    // The tree of an empty scene is a leaf.
+    let is_empty = matches!(nodes, [node] if node.count() == 0);
+    let [low, high] = corners.map(|corner| corner.to_array());
+    let root = if is_empty { Bounds::EMPTY } else { Bounds { low, high } };
+    walk(root, level, |node, cell| at(nodes, node, |node| cells(node, cell)))
+}
+
+/// The boxes of a binary hierarchy.
+pub fn of_bvh2(nodes: &[traverse::bvh2::Node], level: u32) -> Vec<TreeBox> {
+    of_nodes(level, |node| at(nodes, node, sides))
+}
+
+/// The same on a grid.
+pub fn of_compact(nodes: &[traverse::compact::Node], grid: &traverse::compact::Grid, level: u32) -> Vec<TreeBox> {
+    of_nodes(level, |node| at(nodes, node, |node| sides(&compact::expand(node, grid))))
+}
+
+/// The boxes of a hierarchy with many children a node, which `told` reads.
+pub fn of_wide<N>(nodes: &[N], level: u32, told: impl Fn(&N) -> [Option<Told>; 8]) -> Vec<TreeBox> {
+    of_nodes(level, |node| at(nodes, node, |node| parts(told(node))))
+}
+
+/// Around what is in node 0.
+fn of_nodes(level: u32, parts: impl Fn(u32) -> Parts) -> Vec<TreeBox> {
+    let root = parts(0).iter().flatten().fold(Bounds::EMPTY, |all, (part, _)| all.join(part));
+    walk(root, level, |node, _| parts(node))
 }
 
 fn at<N>(nodes: &[N], node: u32, parts: impl Fn(&N) -> Parts) -> Parts {
@@ -142,7 +111,7 @@ fn sides(node: &traverse::bvh2::Node) -> Parts {
     parts
 }
 
-fn told(children: [Option<Told>; 8]) -> Parts {
+fn parts(children: [Option<Told>; 8]) -> Parts {
     children.map(|child| {
         child.map(|Told { region, link }| match link {
             Link::Node(node) => (region.bounds(), Some(node)),

@@ -32,11 +32,6 @@ impl Brute {
         Borrowed::new(traverse::Brute { triangles: lend(&self.triangles) })
     }
 
-    /// For tracing on this machine as GPUs do with staged triangles.
-    pub fn staged(&self) -> Borrowed<'_, traverse::Staged> {
-        Borrowed::new(traverse::Staged { triangles: lend(&self.triangles) })
-    }
-
     /// One leaf of everything.
     pub fn stats(&self) -> TreeStats {
         let count = self.triangles.len();

@@ -58,8 +58,13 @@ impl Bvh2 {
         children_of(root).fold(Bounds::EMPTY, |all, side| all.join(&child_box(root, side)))
     }
 
+    /// Seconds that the build took.
+    pub fn build_seconds(&self) -> f64 {
+        self.build_seconds
+    }
+
     /// See [`traverse::Bvh2::reach`].
-    pub(crate) fn reach(&self) -> Vec3 {
+    pub fn reach(&self) -> Vec3 {
         let Bounds { low, high } = self.bounds();
         let [x, y, z] = [0, 1, 2].map(|i| if low[i] <= high[i] { low[i].abs().max(high[i].abs()) } else { 0.0 });
         Vec3::new(x, y, z)

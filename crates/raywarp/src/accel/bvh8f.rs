@@ -114,6 +114,7 @@ fn encode(wide: &WideNode<8>, triangles: &[Triangle], blocks: &mut Vec<Block>) -
 }
 
 /// The children that exist.
+/// The children of a node, slot by slot.
 pub(super) fn told(node: &Node) -> [Option<Told>; 8] {
     let mut children = [None; 8];
     for (place, &child) in node.children.iter().enumerate() {

@@ -11,7 +11,7 @@ const MOST: usize = 16;
 
 /// A convex polygon; not empty.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Polygon {
+pub struct Polygon {
     corners: [[f64; 3]; MOST],
     count: usize,
 }

@@ -11,7 +11,7 @@ use super::bounds::Bounds;
 use super::bvh2::{child_box, children_of, Bvh2};
 
 /// What the wide tree is made for.
-pub(super) struct Shape {
+pub struct Shape {
     /// Most triangles of a leaf.
     pub leaf: usize,
     /// Cost of a step to a node.
@@ -25,7 +25,7 @@ pub(super) struct Shape {
 /// A node of at most `W` children, whatever its layout. Child nodes of one node follow each other, in the order of the
 /// slots, and so do the triangles of its leaves; parents come before children.
 #[derive(Clone, Debug)]
-pub(super) struct WideNode<const W: usize> {
+pub struct WideNode<const W: usize> {
     /// Around everything below it.
     pub bounds: Bounds,
     pub slots: [Option<Slot>; W],
@@ -33,13 +33,13 @@ pub(super) struct WideNode<const W: usize> {
 
 /// A child.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Slot {
+pub struct Slot {
     pub bounds: Bounds,
     pub link: Link,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Link {
+pub enum Link {
     /// Index of a node.
     Node(u32),
     /// The first triangle, and how many.
@@ -66,24 +66,24 @@ impl From<Link> for Child {
 }
 
 /// Where a child that does not exist links to.
-pub(super) const NOTHING: Child = Child::leaf(0, 1);
+pub const NOTHING: Child = Child::leaf(0, 1);
 
 /// The tree, and its triangles in the order of the leaves. There always is a root, and a triangle, be it in no leaf.
-pub(super) struct Wide<const W: usize> {
+pub struct Wide<const W: usize> {
     pub nodes: Vec<WideNode<W>>,
     pub triangles: Vec<Triangle>,
 }
 
 /// Puts the children of a node, given by their boxes, into slots: says which child a slot takes.
-pub(super) type Arrange<const W: usize> = fn(&Bounds, &[Bounds]) -> [Option<usize>; W];
+pub type Arrange<const W: usize> = fn(&Bounds, &[Bounds]) -> [Option<usize>; W];
 
 /// As they come.
-pub(super) fn in_order<const W: usize>(_: &Bounds, children: &[Bounds]) -> [Option<usize>; W] {
+pub fn in_order<const W: usize>(_: &Bounds, children: &[Bounds]) -> [Option<usize>; W] {
     std::array::from_fn(|slot| (slot < children.len()).then_some(slot))
 }
 
 /// The wide tree of least cost that a binary tree can become.
-pub(super) fn collapse<const W: usize>(tree: &Bvh2, shape: &Shape, arrange: Arrange<W>) -> Wide<W> {
+pub fn collapse<const W: usize>(tree: &Bvh2, shape: &Shape, arrange: Arrange<W>) -> Wide<W> {
     let binary = Binary::new(tree);
     let costs = Costs::new::<W>(&binary, shape);
     let mut wide = Wide { nodes: Vec::new(), triangles: Vec::with_capacity(binary.references.len()) };

@@ -2,6 +2,8 @@
 
 use raywarp_kernels::traverse::bvh2::MAX_INDEX;
 
+use super::AccelKind;
+
 /// Why a structure could not be built.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -32,6 +34,14 @@ pub enum BuildError {
         /// Most that fit.
         limit: u32,
     },
+    /// A structure for other machines.
+    #[error("the structure {structure} is laid out for CPUs and has no kernels for {device}; bvh is the one for GPUs")]
+    NoKernels {
+        /// Which.
+        structure: AccelKind,
+        /// What cannot trace it.
+        device: String,
+    },
     /// An instance of nothing.
     #[error("instance {placement} is of mesh {mesh}, but there are {count}")]
     NoSuchMesh {
@@ -46,7 +56,10 @@ pub enum BuildError {
 
 impl BuildError {
     /// Whether `has` triangles stay within `limit`.
-    pub(crate) fn check(has: usize, limit: u32) -> Result<(), Self> {
+    ///
+    /// # Errors
+    /// [`TooManyTriangles`](Self::TooManyTriangles) where they do not.
+    pub fn check(has: usize, limit: u32) -> Result<(), Self> {
         if has > limit as usize {
             return Err(Self::TooManyTriangles { has, limit });
         }

@@ -1,5 +1,7 @@
 //! A k-d tree in a flat array, owned by the host.
 
+use std::time::Instant;
+
 use raywarp_kernels::math::Vec3;
 use raywarp_kernels::traverse;
 use raywarp_kernels::traverse::kdtree::{Node, MAX_DEPTH};
@@ -7,6 +9,7 @@ use raywarp_kernels::triangle::Triangle;
 
 use super::bounds::Bounds;
 use super::cover::Space;
+use super::kdtree_arrays::Arrays;
 use super::triangles::is_finite;
 use super::view::{lend, Borrowed};
 use super::{Invalid, TreeStats};
@@ -38,6 +41,13 @@ impl KdTree {
         tree.validate().map(|()| tree)
     }
 
+    /// What a builder made, as it is.
+    #[doc(hidden)]
+    pub fn grown(tree: Arrays, triangles: Vec<Triangle>, [low, high]: [Vec3; 2], start: Instant) -> Self {
+        let build_seconds = start.elapsed().as_secs_f64();
+        Self { nodes: tree.nodes, references: tree.references, triangles, low, high, build_seconds }
+    }
+
     /// Inner nodes and leaves; 0 is the root.
     pub fn nodes(&self) -> &[Node] {
         &self.nodes
@@ -58,24 +68,15 @@ impl KdTree {
         [self.low, self.high]
     }
 
-    /// For tracing on this machine, with a stack.
+    /// For tracing on this machine.
     pub fn view(&self) -> Borrowed<'_, traverse::KdTree> {
-        Borrowed::new(self.lent())
-    }
-
-    /// For tracing on this machine, with restarts.
-    pub fn trail(&self) -> Borrowed<'_, traverse::KdTrail> {
-        Borrowed::new(traverse::KdTrail { tree: self.lent() })
-    }
-
-    fn lent(&self) -> traverse::KdTree {
-        traverse::KdTree {
+        Borrowed::new(traverse::KdTree {
             nodes: lend(&self.nodes),
             references: lend(&self.references),
             triangles: lend(&self.triangles),
             low: self.low,
             high: self.high,
-        }
+        })
     }
 
     fn root_cell(&self) -> Bounds {

@@ -4,19 +4,19 @@ use raywarp_kernels::traverse::kdtree::{Node, MAX_DEPTH, MAX_LINK};
 
 /// References of all leaves together are at most this many times the triangles. A cell that must not add as many as
 /// its split would becomes a leaf instead.
-pub(super) const COPIES: usize = 16;
+pub const COPIES: usize = 16;
 
 /// Most triangles: their copies must have an index each.
-pub(super) const MAX_TRIANGLES: u32 = MAX_LINK / COPIES as u32;
+pub const MAX_TRIANGLES: u32 = MAX_LINK / COPIES as u32;
 
 /// Levels of inner nodes: 8 + 1.3 log2 n (Havran 2000, page 65), within what traversal's stack holds.
-pub(super) fn deepest(triangles: usize) -> usize {
+pub fn deepest(triangles: usize) -> usize {
     let levels = 8.0 + 1.3 * (triangles.max(1) as f64).log2();
     (levels as usize).min(MAX_DEPTH)
 }
 
 /// What builders differ in: how a cell is cut.
-pub(super) trait Cutter: Sync {
+pub trait Cutter: Sync {
     /// A cell, with the triangles in it.
     type Cell: Send;
 
@@ -32,7 +32,7 @@ pub(super) trait Cutter: Sync {
 }
 
 /// A plane across an axis, and the cells on both sides.
-pub(super) struct Cut<C> {
+pub struct Cut<C> {
     pub axis: usize,
     pub plane: f32,
     pub below: C,
@@ -40,7 +40,7 @@ pub(super) struct Cut<C> {
 }
 
 /// Makes the node at `slot` that of a cell, and adds what is below it. The leaves there hold at most `budget` references.
-pub(super) fn grow<C: Cutter>(cutter: &C, cell: C::Cell, budget: usize, depth: usize, slot: usize, tree: &mut Arrays) {
+pub fn grow<C: Cutter>(cutter: &C, cell: C::Cell, budget: usize, depth: usize, slot: usize, tree: &mut Arrays) {
     let count = C::triangles(&cell).len();
     let Cut { axis, plane, below, above } = match cutter.cut(cell, budget, depth) {
         Ok(cut) => cut,
@@ -63,14 +63,14 @@ pub(super) fn grow<C: Cutter>(cutter: &C, cell: C::Cell, budget: usize, depth: u
 
 /// A budget of references for both sides of a split, by the share of each. Both get at least what they already have, if
 /// the sum does not exceed the budget.
-pub(super) fn share(budget: usize, below: usize, above: usize) -> [usize; 2] {
+pub fn share(budget: usize, below: usize, above: usize) -> [usize; 2] {
     let left = budget * below / (below + above).max(1);
     [left, budget - left]
 }
 
 /// A tree or a part of one, whose links count from its own start.
 #[derive(Debug)]
-pub(super) struct Arrays {
+pub struct Arrays {
     pub nodes: Vec<Node>,
     pub references: Vec<u32>,
 }

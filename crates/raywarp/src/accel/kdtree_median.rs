@@ -2,7 +2,7 @@
 //!
 //! A cell at depth d is cut on axis d mod 3 at the median of its triangles' centres; where that separates nothing, on
 //! the next axis that does. Triangles whose bounds touch the plane, from either side or through it, go to both
-//! children. It is the simplest k-d tree, kept for comparison with the paper: [`kdtree_sah`](super::kdtree_sah) is a
+//! children. It is the simplest k-d tree, kept for comparison with the paper: one by the surface area heuristic (in `lab`) is a
 //! better one.
 
 use std::time::Instant;
@@ -30,9 +30,8 @@ pub fn build(triangles: Vec<Triangle>) -> Result<KdTree, BuildError> {
     let builder = Builder { bounds: &bounds, deepest: deepest(triangles.len()) };
     let mut tree = Arrays::with_root();
     grow(&builder, everything, COPIES * triangles.len(), 0, 0, &mut tree);
-    let [low, high] = bounds.iter().copied().reduce(|a, b| a.join(&b)).unwrap_or(Bounds::POINT).corners();
-    let build_seconds = start.elapsed().as_secs_f64();
-    Ok(KdTree { nodes: tree.nodes, references: tree.references, triangles, low, high, build_seconds })
+    let corners = bounds.iter().copied().reduce(|a, b| a.join(&b)).unwrap_or(Bounds::POINT).corners();
+    Ok(KdTree::grown(tree, triangles, corners, start))
 }
 
 struct Builder<'a> {

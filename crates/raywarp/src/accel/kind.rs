@@ -2,6 +2,10 @@
 
 use raywarp_scene::settings::{AccelKind, Quality, RenderDefaults};
 
+use raywarp_kernels::kernels::Closest;
+use raywarp_kernels::traverse::Bvh8f;
+
+use super::BuildError;
 use crate::backend::Device;
 
 /// The fastest structure on a device, as measured on an H200 and on x86-64: `docs/bench`. On a GPU the tree in two
@@ -11,6 +15,16 @@ pub fn fastest_on(device: &Device) -> AccelKind {
         AccelKind::Bvh
     } else {
         AccelKind::Bvh8f
+    }
+}
+
+/// Whether a structure can be traced on a device.
+pub(crate) fn check_device(kind: AccelKind, device: &Device) -> Result<(), BuildError> {
+    match kind {
+        AccelKind::Bvh8f if !device.has_kernel::<Closest<Bvh8f>>() => {
+            Err(BuildError::NoKernels { structure: kind, device: device.description() })
+        }
+        _ => Ok(()),
     }
 }
 

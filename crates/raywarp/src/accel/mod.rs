@@ -1,8 +1,8 @@
 //! Building what finds the triangles along a ray.
 //!
 //! The way of a triangle: [`sift`] drops what can never be hit, [`Accel::build`] picks a builder ([`brute`] keeps the
-//! list, [`kdtree_median`] and [`kdtree_sah`] build a [`kdtree`], [`bvh2_build`] a [`bvh2`], of which wider trees are made: [`bvh4`],
-//! [`bvh8`], [`bvh8w`], [`bvh8f`]), [`Accel::validate`] proves that traversal will neither miss a triangle nor leave the
+//! list, [`kdtree_median`] builds a [`kdtree`], [`bvh2_build`] a [`bvh2`], of which [`compact`], [`octants`] and [`bvh8f`] are other
+//! layouts), [`Accel::validate`] proves that traversal will neither miss a triangle nor leave the
 //! arrays, [`Accel::stats`] says how good the tree is.
 //!
 //! Where meshes are placed many times, [`instanced`] keeps each once, with a tree over the placements.
@@ -11,44 +11,44 @@
 //! where they pay, made better by reinsertion, and collapsed.
 //!
 //! The structures are those of [`raywarp_kernels::traverse`], owned by the host. Traced on the CPU or copied to a
-//! device as they are, they give the same hits: those of brute force.
+//! device as they are ([`Resident`]), they give the same hits: those of brute force. Structures of others join by the same trait.
 
 mod binary;
 mod bins;
-mod bounds;
-mod boxes;
+#[doc(hidden)]
+pub mod bounds;
+#[doc(hidden)]
+pub mod boxes;
 pub mod brute;
 pub mod bvh2;
 pub mod bvh2_binned;
 pub mod bvh2_build;
-pub mod bvh4;
-pub mod bvh8;
 pub mod bvh8f;
-pub mod bvh8w;
 pub mod cache;
-mod clip;
-mod collapse;
+#[doc(hidden)]
+pub mod clip;
+#[doc(hidden)]
+pub mod collapse;
 pub mod compact;
 mod cover;
 mod error;
-mod grid;
 pub mod instanced;
 pub mod kdtree;
-mod kdtree_arrays;
+#[doc(hidden)]
+pub mod kdtree_arrays;
 pub mod kdtree_median;
-pub mod kdtree_sah;
 mod kind;
 mod leaves;
 pub mod octants;
 mod reinsertion;
 mod resident;
-mod slots;
 mod spatial;
 mod stats;
 mod topdown;
 mod triangles;
 mod view;
-mod wide;
+#[doc(hidden)]
+pub mod wide;
 
 use std::borrow::Cow;
 
@@ -59,9 +59,15 @@ use raywarp_kernels::triangle::Triangle;
 pub use crate::scene::settings::{AccelKind, Quality, UnknownKind, UnknownQuality};
 pub use boxes::{TreeBox, MAX_BOXES};
 pub use error::{BuildError, Invalid};
+pub(crate) use kind::check_device;
 pub use kind::{fastest_on, Build};
-pub(crate) use resident::{with_any_structure, with_structure, AnyResident, Resident, ResidentInstanced};
+pub use resident::{
+    Rendered, Resident, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentCompact, ResidentInstanced, ResidentKd,
+    ResidentOctants,
+};
 pub use stats::{TreeStats, NODE_COST, TRIANGLE_COST};
+#[doc(hidden)]
+pub use triangles::is_finite;
 pub use triangles::{sift, Dropped, Unhittable};
 pub use view::Borrowed;
 
@@ -70,26 +76,14 @@ pub use view::Borrowed;
 pub enum Accel {
     /// No structure.
     Brute(brute::Brute),
-    /// The same, staged.
-    Staged(brute::Brute),
     /// The paper's k-d tree.
     Kd(kdtree::KdTree),
-    /// The k-d tree of the surface area heuristic, traversed by a stack.
-    KdSah(kdtree::KdTree),
-    /// The same tree, traversed by restarts.
-    KdTrail(kdtree::KdTree),
     /// A binary hierarchy of boxes.
     Bvh2(bvh2::Bvh2),
     /// The same in half the memory.
     Bvh2c(compact::Compact),
     /// Both.
     Bvh(octants::Octants),
-    /// Four boxes a node, quantised.
-    Bvh4(bvh4::Bvh4),
-    /// Eight boxes a node, compressed.
-    Bvh8(bvh8::Bvh8),
-    /// Eight boxes a node, quantised, with a link each.
-    Bvh8w(bvh8w::Bvh8w),
     /// Eight boxes a node in full precision.
     Bvh8f(bvh8f::Bvh8f),
 }
@@ -103,10 +97,7 @@ impl Accel {
         let Build { kind, quality, .. } = what.into();
         match kind {
             AccelKind::Brute => Ok(Self::Brute(brute::Brute::new(triangles)?)),
-            AccelKind::Staged => Ok(Self::Staged(brute::Brute::new(triangles)?)),
             AccelKind::Kd => Ok(Self::Kd(kdtree_median::build(triangles)?)),
-            AccelKind::KdSah => Ok(Self::KdSah(kdtree_sah::build(triangles)?)),
-            AccelKind::KdTrail => Ok(Self::KdTrail(kdtree_sah::build(triangles)?)),
             _ => Self::laid_out(kind, bvh2_build::build(triangles, quality)?),
         }
     }
@@ -119,16 +110,8 @@ impl Accel {
         Ok(match kind {
             AccelKind::Bvh2c => Self::Bvh2c(compact::Compact::new(tree)),
             AccelKind::Bvh => Self::Bvh(octants::Octants::new(tree)),
-            AccelKind::Bvh4 => Self::Bvh4(bvh4::Bvh4::from_bvh2(&tree)),
-            AccelKind::Bvh8 => Self::Bvh8(bvh8::Bvh8::from_bvh2(&tree)),
-            AccelKind::Bvh8w => Self::Bvh8w(bvh8w::Bvh8w::from_bvh2(&tree)),
             AccelKind::Bvh8f => Self::Bvh8f(bvh8f::Bvh8f::from_bvh2(&tree)?),
-            AccelKind::Brute
-            | AccelKind::Staged
-            | AccelKind::Kd
-            | AccelKind::KdSah
-            | AccelKind::KdTrail
-            | AccelKind::Bvh2 => Self::Bvh2(tree),
+            AccelKind::Brute | AccelKind::Kd | AccelKind::Bvh2 => Self::Bvh2(tree),
         })
     }
 
@@ -136,16 +119,10 @@ impl Accel {
     pub fn kind(&self) -> AccelKind {
         match self {
             Self::Brute(_) => AccelKind::Brute,
-            Self::Staged(_) => AccelKind::Staged,
             Self::Kd(_) => AccelKind::Kd,
-            Self::KdSah(_) => AccelKind::KdSah,
-            Self::KdTrail(_) => AccelKind::KdTrail,
             Self::Bvh2(_) => AccelKind::Bvh2,
             Self::Bvh2c(_) => AccelKind::Bvh2c,
             Self::Bvh(_) => AccelKind::Bvh,
-            Self::Bvh4(_) => AccelKind::Bvh4,
-            Self::Bvh8(_) => AccelKind::Bvh8,
-            Self::Bvh8w(_) => AccelKind::Bvh8w,
             Self::Bvh8f(_) => AccelKind::Bvh8f,
         }
     }
@@ -156,14 +133,11 @@ impl Accel {
     /// The first flaw found.
     pub fn validate(&self) -> Result<(), Invalid> {
         match self {
-            Self::Brute(_) | Self::Staged(_) => Ok(()),
-            Self::Kd(tree) | Self::KdSah(tree) | Self::KdTrail(tree) => tree.validate(),
+            Self::Brute(_) => Ok(()),
+            Self::Kd(tree) => tree.validate(),
             Self::Bvh2(tree) => tree.validate(),
             Self::Bvh2c(tree) => tree.validate(),
             Self::Bvh(tree) => tree.validate(),
-            Self::Bvh4(tree) => tree.validate(),
-            Self::Bvh8(tree) => tree.validate(),
-            Self::Bvh8w(tree) => tree.validate(),
             Self::Bvh8f(tree) => tree.validate(),
         }
     }
@@ -171,14 +145,11 @@ impl Accel {
     /// Size and quality.
     pub fn stats(&self) -> TreeStats {
         match self {
-            Self::Brute(list) | Self::Staged(list) => list.stats(),
-            Self::Kd(tree) | Self::KdSah(tree) | Self::KdTrail(tree) => tree.stats(),
+            Self::Brute(list) => list.stats(),
+            Self::Kd(tree) => tree.stats(),
             Self::Bvh2(tree) => tree.stats(),
             Self::Bvh2c(tree) => tree.stats(),
             Self::Bvh(tree) => tree.stats(),
-            Self::Bvh4(tree) => tree.stats(),
-            Self::Bvh8(tree) => tree.stats(),
-            Self::Bvh8w(tree) => tree.stats(),
             Self::Bvh8f(tree) => tree.stats(),
         }
     }
@@ -188,14 +159,11 @@ impl Accel {
     /// here that no ray hits.
     pub fn triangles(&self) -> Cow<'_, [Triangle]> {
         match self {
-            Self::Brute(list) | Self::Staged(list) => list.triangles().into(),
-            Self::Kd(tree) | Self::KdSah(tree) | Self::KdTrail(tree) => tree.triangles().into(),
+            Self::Brute(list) => list.triangles().into(),
+            Self::Kd(tree) => tree.triangles().into(),
             Self::Bvh2(tree) => tree.triangles().into(),
             Self::Bvh2c(tree) => tree.triangles().into(),
             Self::Bvh(tree) => tree.triangles().into(),
-            Self::Bvh4(tree) => tree.triangles().into(),
-            Self::Bvh8(tree) => tree.triangles().into(),
-            Self::Bvh8w(tree) => tree.triangles().into(),
             Self::Bvh8f(tree) => tree.triangles().into(),
         }
     }
@@ -204,15 +172,10 @@ impl Accel {
     pub fn closest(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
         match self {
             Self::Brute(list) => closest(&list.view(), ray, previous, counter),
-            Self::Staged(list) => closest(&list.staged(), ray, previous, counter),
-            Self::Kd(tree) | Self::KdSah(tree) => closest(&tree.view(), ray, previous, counter),
-            Self::KdTrail(tree) => closest(&tree.trail(), ray, previous, counter),
+            Self::Kd(tree) => closest(&tree.view(), ray, previous, counter),
             Self::Bvh2(tree) => closest(&tree.view(), ray, previous, counter),
             Self::Bvh2c(tree) => closest(&tree.view(), ray, previous, counter),
             Self::Bvh(tree) => closest(&tree.view(), ray, previous, counter),
-            Self::Bvh4(tree) => closest(&tree.view(), ray, previous, counter),
-            Self::Bvh8(tree) => closest(&tree.view(), ray, previous, counter),
-            Self::Bvh8w(tree) => closest(&tree.view(), ray, previous, counter),
             Self::Bvh8f(tree) => closest(&tree.view(), ray, previous, counter),
         }
     }
@@ -221,15 +184,10 @@ impl Accel {
     pub fn occlusion(&self, ray: &Ray, counter: &mut impl Counter) -> Occlusion {
         match self {
             Self::Brute(list) => occlusion(&list.view(), ray, counter),
-            Self::Staged(list) => occlusion(&list.staged(), ray, counter),
-            Self::Kd(tree) | Self::KdSah(tree) => occlusion(&tree.view(), ray, counter),
-            Self::KdTrail(tree) => occlusion(&tree.trail(), ray, counter),
+            Self::Kd(tree) => occlusion(&tree.view(), ray, counter),
             Self::Bvh2(tree) => occlusion(&tree.view(), ray, counter),
             Self::Bvh2c(tree) => occlusion(&tree.view(), ray, counter),
             Self::Bvh(tree) => occlusion(&tree.view(), ray, counter),
-            Self::Bvh4(tree) => occlusion(&tree.view(), ray, counter),
-            Self::Bvh8(tree) => occlusion(&tree.view(), ray, counter),
-            Self::Bvh8w(tree) => occlusion(&tree.view(), ray, counter),
             Self::Bvh8f(tree) => occlusion(&tree.view(), ray, counter),
         }
     }

@@ -1,224 +1,274 @@
-//! A structure in the memory of a device.
+//! Structures in the memory of a device: their arrays, and what kernels are given of them.
 
 use raywarp_kernels::math::Vec3;
-use raywarp_kernels::traverse::{self, bvh2, bvh4, bvh8, bvh8f, bvh8w, compact, kdtree};
+use raywarp_kernels::traverse::{self, bvh2, bvh8f, compact, kdtree, Compact, Structure};
 use raywarp_kernels::triangle::Triangle;
 
+use super::boxes::{self, TreeBox};
 use super::instanced::Instanced;
 use super::kdtree::KdTree;
-use super::Accel;
+use super::{brute, compact as host, octants};
 use crate::backend::{Buffer, Device, DeviceError};
 
-/// What traversal reads, on a device.
-pub(crate) enum Resident {
-    Brute {
-        triangles: Buffer<Triangle>,
-    },
-    Staged {
-        triangles: Buffer<Triangle>,
-    },
-    Kd(ResidentKd),
-    KdTrail(ResidentKd),
-    Bvh2 {
-        nodes: Buffer<bvh2::Node>,
-        triangles: Buffer<Triangle>,
-        reach: Vec3,
-    },
-    Bvh2c {
-        nodes: Buffer<compact::Node>,
-        triangles: Buffer<Triangle>,
-        grid: compact::Grid,
-    },
-    Bvh {
-        full: Buffer<bvh2::Node>,
-        small: Buffer<compact::Node>,
-        triangles: Buffer<Triangle>,
-        reach: Vec3,
-        grid: compact::Grid,
-    },
-    Bvh4 {
-        nodes: Buffer<bvh4::Node>,
-        triangles: Buffer<Triangle>,
-    },
-    Bvh8 {
-        nodes: Buffer<bvh8::Node>,
-        triangles: Buffer<Triangle>,
-    },
-    Bvh8w {
-        nodes: Buffer<bvh8w::Node>,
-        triangles: Buffer<Triangle>,
-    },
-    Bvh8f {
-        nodes: Buffer<bvh8f::Node>,
-        blocks: Buffer<bvh8f::Block>,
-    },
-}
+/// What traversal reads, in buffers of a device. Whatever implements this is traced by every kernel of queries: raywarp's own
+/// structures, and those of others on a device that was opened [with their kernels](Device::open_with).
+///
+/// # Safety
+/// The views point into buffers that this owns, and the indices in those are in range.
+pub unsafe trait Resident: Send + Sync + 'static {
+    /// As kernels traverse it that look for one hit of a ray.
+    type Short: Structure + 'static;
+    /// As kernels traverse it that are long without it: those that shade, or look at all hits.
+    type Long: Structure + 'static;
 
-/// Evaluates an expression with the structure's view under a name, once for each kind. `both` says how a tree in two
-/// layouts is traversed: as [`Octants`](raywarp_kernels::traverse::Octants), which is a long kernel, or by its small nodes.
-/// Queries may also ask a [pool](raywarp_kernels::pool).
-macro_rules! with_structure {
-    ($resident:expr, $structure:ident => $body:expr) => {
-        $crate::accel::with_structure!($resident, $structure, both => both, $body)
-    };
-    ($resident:expr, $structure:ident, $both:ident => $view:expr, $body:expr) => {
-        match $resident {
-            $crate::accel::Resident::Brute { triangles } => {
-                let $structure = raywarp_kernels::traverse::Brute { triangles: triangles.view() };
-                $body
-            }
-            $crate::accel::Resident::Staged { triangles } => {
-                let $structure = raywarp_kernels::traverse::Staged { triangles: triangles.view() };
-                $body
-            }
-            $crate::accel::Resident::Kd(tree) => {
-                let $structure = tree.view();
-                $body
-            }
-            $crate::accel::Resident::KdTrail(tree) => {
-                let $structure = raywarp_kernels::traverse::KdTrail { tree: tree.view() };
-                $body
-            }
-            $crate::accel::Resident::Bvh2 { nodes, triangles, reach } => {
-                let (nodes, triangles) = (nodes.view(), triangles.view());
-                let $structure = raywarp_kernels::traverse::Bvh2 { nodes, triangles, reach: *reach };
-                $body
-            }
-            $crate::accel::Resident::Bvh2c { nodes, triangles, grid } => {
-                let (nodes, triangles) = (nodes.view(), triangles.view());
-                let $structure = raywarp_kernels::traverse::Compact { nodes, triangles, grid: *grid };
-                $body
-            }
-            $crate::accel::Resident::Bvh { full, small, triangles, reach, grid } => {
-                let triangles = triangles.view();
-                let $both = raywarp_kernels::traverse::Octants {
-                    full: raywarp_kernels::traverse::Bvh2 { nodes: full.view(), triangles, reach: *reach },
-                    compact: raywarp_kernels::traverse::Compact { nodes: small.view(), triangles, grid: *grid },
-                };
-                let $structure = $view;
-                $body
-            }
-            $crate::accel::Resident::Bvh4 { nodes, triangles } => {
-                let $structure = raywarp_kernels::traverse::Bvh4 { nodes: nodes.view(), triangles: triangles.view() };
-                $body
-            }
-            $crate::accel::Resident::Bvh8 { nodes, triangles } => {
-                let $structure = raywarp_kernels::traverse::Bvh8 { nodes: nodes.view(), triangles: triangles.view() };
-                $body
-            }
-            $crate::accel::Resident::Bvh8w { nodes, triangles } => {
-                let $structure = raywarp_kernels::traverse::Bvh8w { nodes: nodes.view(), triangles: triangles.view() };
-                $body
-            }
-            $crate::accel::Resident::Bvh8f { nodes, blocks } => {
-                let $structure = raywarp_kernels::traverse::Bvh8f { nodes: nodes.view(), blocks: blocks.view() };
-                $body
-            }
-        }
-    };
-}
+    /// For [`Short`](Self::Short) kernels.
+    fn short(&self) -> Self::Short;
 
-pub(crate) use with_structure;
+    /// For [`Long`](Self::Long) kernels.
+    fn long(&self) -> Self::Long;
 
-impl Resident {
-    pub fn upload(device: &Device, tree: &Accel) -> Result<Self, DeviceError> {
-        Ok(match tree {
-            Accel::Brute(list) => Self::Brute { triangles: device.upload(&list.triangles)? },
-            Accel::Staged(list) => Self::Staged { triangles: device.upload(&list.triangles)? },
-            Accel::Kd(tree) | Accel::KdSah(tree) => Self::Kd(ResidentKd::upload(device, tree)?),
-            Accel::KdTrail(tree) => Self::KdTrail(ResidentKd::upload(device, tree)?),
-            Accel::Bvh2(tree) => Self::Bvh2 {
-                nodes: device.upload(&tree.nodes)?,
-                triangles: device.upload(&tree.triangles)?,
-                reach: tree.reach(),
-            },
-            Accel::Bvh2c(tree) => Self::Bvh2c {
-                nodes: device.upload(&tree.nodes)?,
-                triangles: device.upload(&tree.triangles)?,
-                grid: tree.grid,
-            },
-            Accel::Bvh(tree) => Self::Bvh {
-                full: device.upload(&tree.full.nodes)?,
-                small: device.upload(&tree.nodes)?,
-                triangles: device.upload(tree.triangles())?,
-                reach: tree.full.reach(),
-                grid: tree.grid,
-            },
-            Accel::Bvh4(tree) => {
-                Self::Bvh4 { nodes: device.upload(&tree.nodes)?, triangles: device.upload(&tree.triangles)? }
-            }
-            Accel::Bvh8(tree) => {
-                Self::Bvh8 { nodes: device.upload(&tree.nodes)?, triangles: device.upload(&tree.triangles)? }
-            }
-            Accel::Bvh8w(tree) => {
-                Self::Bvh8w { nodes: device.upload(&tree.nodes)?, triangles: device.upload(&tree.triangles)? }
-            }
-            Accel::Bvh8f(tree) => {
-                Self::Bvh8f { nodes: device.upload(&tree.nodes)?, blocks: device.upload(&tree.blocks)? }
-            }
-        })
+    /// The tree as a [pool](raywarp_kernels::pool) traverses it, where it can.
+    fn pooled(&self) -> Option<Compact> {
+        None
     }
 }
 
-/// A k-d tree on a device, however it is traversed.
-pub(crate) struct ResidentKd {
-    pub nodes: Buffer<kdtree::Node>,
+/// A structure that pictures are traced through as well.
+///
+/// # Safety
+/// As for [`Resident`].
+pub unsafe trait Rendered: Resident {
+    /// Its boxes down to a level, see [`Accel::boxes`](super::Accel::boxes). Nodes are read back from the device, as they are
+    /// now.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the device fails.
+    fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError>;
+}
+
+macro_rules! resident {
+    ($($name:ident: $view:ty, $self:ident => $body:expr;)*) => {$(
+        // SAFETY: the buffers are its own, and the builders keep indices in range.
+        unsafe impl Resident for $name {
+            type Short = $view;
+            type Long = $view;
+
+            fn short(&self) -> $view {
+                let $self = self;
+                $body
+            }
+
+            fn long(&self) -> $view {
+                self.short()
+            }
+        }
+    )*};
+}
+
+resident! {
+    ResidentBrute: traverse::Brute, list => traverse::Brute { triangles: list.triangles.view() };
+    ResidentKd: traverse::KdTree, tree => tree.view();
+    ResidentBvh2: traverse::Bvh2, tree => tree.view();
+    ResidentCompact: Compact, tree => tree.view();
+    ResidentBvh8f: traverse::Bvh8f, tree => {
+        traverse::Bvh8f { nodes: tree.nodes.view(), blocks: tree.blocks.view() }
+    };
+    ResidentInstanced: traverse::Instanced, tree => traverse::Instanced {
+        nodes: tree.nodes.view(),
+        triangles: tree.triangles.view(),
+        instances: tree.instances.view(),
+        slack: tree.slack,
+    };
+}
+
+/// A list of triangles on a device.
+pub struct ResidentBrute {
+    triangles: Buffer<Triangle>,
+}
+
+impl ResidentBrute {
+    /// Copies it there.
+    ///
+    /// # Errors
+    /// The device has no room.
+    pub fn upload(device: &Device, list: &brute::Brute) -> Result<Self, DeviceError> {
+        Ok(Self { triangles: device.upload(list.triangles())? })
+    }
+}
+
+// SAFETY: as above.
+unsafe impl Rendered for ResidentBrute {
+    fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
+        Ok(boxes::of_list(&self.triangles.items()?, level))
+    }
+}
+
+/// A k-d tree on a device.
+pub struct ResidentKd {
+    nodes: Buffer<kdtree::Node>,
     references: Buffer<u32>,
     triangles: Buffer<Triangle>,
-    /// Low and high corner of everything.
-    pub bounds: [Vec3; 2],
+    bounds: [Vec3; 2],
 }
 
 impl ResidentKd {
-    fn upload(device: &Device, tree: &KdTree) -> Result<Self, DeviceError> {
+    /// Copies it there.
+    ///
+    /// # Errors
+    /// The device has no room.
+    pub fn upload(device: &Device, tree: &KdTree) -> Result<Self, DeviceError> {
         Ok(Self {
-            nodes: device.upload(&tree.nodes)?,
-            references: device.upload(&tree.references)?,
-            triangles: device.upload(&tree.triangles)?,
+            nodes: device.upload(tree.nodes())?,
+            references: device.upload(tree.references())?,
+            triangles: device.upload(tree.triangles())?,
             bounds: tree.bounds(),
         })
     }
 
-    pub fn view(&self) -> traverse::KdTree {
+    fn view(&self) -> traverse::KdTree {
         let [low, high] = self.bounds;
-        traverse::KdTree {
-            nodes: self.nodes.view(),
-            references: self.references.view(),
-            triangles: self.triangles.view(),
-            low,
-            high,
-        }
+        let (nodes, references, triangles) = (self.nodes.view(), self.references.view(), self.triangles.view());
+        traverse::KdTree { nodes, references, triangles, low, high }
     }
 }
 
-/// One level or two. What shades a picture knows one; queries take either.
-pub(crate) enum AnyResident {
-    One(Resident),
-    Two(ResidentInstanced),
+// SAFETY: as above.
+unsafe impl Rendered for ResidentKd {
+    fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
+        Ok(boxes::of_cells(&self.nodes.items()?, self.bounds, level))
+    }
 }
 
-/// As [`with_structure`], with the view of either.
-macro_rules! with_any_structure {
-    ($resident:expr, $structure:ident => $body:expr) => {
-        $crate::accel::with_any_structure!($resident, $structure, both => both, $body)
-    };
-    ($resident:expr, $structure:ident, $both:ident => $view:expr, $body:expr) => {
-        match $resident {
-            $crate::accel::AnyResident::One(resident) => {
-                $crate::accel::with_structure!(resident, $structure, $both => $view, $body)
-            }
-            $crate::accel::AnyResident::Two(resident) => {
-                let $structure = resident.view();
-                $body
-            }
-        }
-    };
+/// A binary hierarchy of boxes on a device: the one that can follow what moves.
+pub struct ResidentBvh2 {
+    pub(crate) nodes: Buffer<bvh2::Node>,
+    pub(crate) triangles: Buffer<Triangle>,
+    pub(crate) reach: Vec3,
 }
 
-pub(crate) use with_any_structure;
+impl ResidentBvh2 {
+    /// Copies it there.
+    ///
+    /// # Errors
+    /// The device has no room.
+    pub fn upload(device: &Device, tree: &super::bvh2::Bvh2) -> Result<Self, DeviceError> {
+        let (nodes, triangles) = (device.upload(tree.nodes())?, device.upload(tree.triangles())?);
+        Ok(Self { nodes, triangles, reach: tree.reach() })
+    }
+
+    fn view(&self) -> traverse::Bvh2 {
+        traverse::Bvh2 { nodes: self.nodes.view(), triangles: self.triangles.view(), reach: self.reach }
+    }
+}
+
+// SAFETY: as above.
+unsafe impl Rendered for ResidentBvh2 {
+    fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
+        Ok(boxes::of_bvh2(&self.nodes.items()?, level))
+    }
+}
+
+/// The same with small nodes.
+pub struct ResidentCompact {
+    nodes: Buffer<compact::Node>,
+    triangles: Buffer<Triangle>,
+    grid: compact::Grid,
+}
+
+impl ResidentCompact {
+    /// Copies it there.
+    ///
+    /// # Errors
+    /// The device has no room.
+    pub fn upload(device: &Device, tree: &host::Compact) -> Result<Self, DeviceError> {
+        let (nodes, triangles) = (device.upload(tree.nodes())?, device.upload(tree.triangles())?);
+        Ok(Self { nodes, triangles, grid: tree.grid })
+    }
+
+    fn view(&self) -> Compact {
+        Compact { nodes: self.nodes.view(), triangles: self.triangles.view(), grid: self.grid }
+    }
+}
+
+// SAFETY: as above.
+unsafe impl Rendered for ResidentCompact {
+    fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
+        Ok(boxes::of_compact(&self.nodes.items()?, &self.grid, level))
+    }
+}
+
+/// Both kinds of nodes over the same triangles.
+pub struct ResidentOctants {
+    full: ResidentBvh2,
+    small: Buffer<compact::Node>,
+    grid: compact::Grid,
+}
+
+impl ResidentOctants {
+    /// Copies it there.
+    ///
+    /// # Errors
+    /// The device has no room.
+    pub fn upload(device: &Device, tree: &octants::Octants) -> Result<Self, DeviceError> {
+        let (full, small) = (ResidentBvh2::upload(device, &tree.full)?, device.upload(&tree.nodes)?);
+        Ok(Self { full, small, grid: tree.grid })
+    }
+
+    fn small(&self) -> Compact {
+        Compact { nodes: self.small.view(), triangles: self.full.triangles.view(), grid: self.grid }
+    }
+}
+
+// SAFETY: the buffers are its own, and the builders keep indices in range.
+unsafe impl Resident for ResidentOctants {
+    type Short = traverse::Octants;
+    type Long = Compact;
+
+    fn short(&self) -> traverse::Octants {
+        traverse::Octants { full: self.full.view(), compact: self.small() }
+    }
+
+    fn long(&self) -> Compact {
+        self.small()
+    }
+
+    fn pooled(&self) -> Option<Compact> {
+        Some(self.small())
+    }
+}
+
+// SAFETY: as above.
+unsafe impl Rendered for ResidentOctants {
+    fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
+        self.full.boxes(level)
+    }
+}
+
+/// Eight boxes a node in full precision, on a device.
+pub struct ResidentBvh8f {
+    nodes: Buffer<bvh8f::Node>,
+    blocks: Buffer<bvh8f::Block>,
+}
+
+impl ResidentBvh8f {
+    /// Copies it there.
+    ///
+    /// # Errors
+    /// The device has no room.
+    pub fn upload(device: &Device, tree: &super::bvh8f::Bvh8f) -> Result<Self, DeviceError> {
+        Ok(Self { nodes: device.upload(tree.nodes())?, blocks: device.upload(tree.blocks())? })
+    }
+}
+
+// SAFETY: as above.
+unsafe impl Rendered for ResidentBvh8f {
+    fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
+        Ok(boxes::of_wide(&self.nodes.items()?, level, super::bvh8f::told))
+    }
+}
 
 /// Two levels on a device.
-pub(crate) struct ResidentInstanced {
+pub struct ResidentInstanced {
     nodes: Buffer<bvh2::Node>,
     triangles: Buffer<Triangle>,
     instances: Buffer<traverse::instanced::Instance>,
@@ -226,6 +276,10 @@ pub(crate) struct ResidentInstanced {
 }
 
 impl ResidentInstanced {
+    /// Copies them there.
+    ///
+    /// # Errors
+    /// The device has no room.
     pub fn upload(device: &Device, tree: &Instanced) -> Result<Self, DeviceError> {
         device.reserve(tree.stats().bytes as u64, "the instances and their meshes")?;
         Ok(Self {
@@ -234,14 +288,5 @@ impl ResidentInstanced {
             instances: device.upload(&tree.instances)?,
             slack: tree.slack,
         })
-    }
-
-    pub fn view(&self) -> traverse::Instanced {
-        traverse::Instanced {
-            nodes: self.nodes.view(),
-            triangles: self.triangles.view(),
-            instances: self.instances.view(),
-            slack: self.slack,
-        }
     }
 }

@@ -55,7 +55,7 @@ pub fn sift(mut triangles: Vec<Triangle>) -> (Vec<Triangle>, Dropped) {
 }
 
 /// Whether no coordinate is NaN or infinite.
-pub(super) fn is_finite(triangle: &Triangle) -> bool {
+pub fn is_finite(triangle: &Triangle) -> bool {
     [triangle.v0, triangle.v1, triangle.v2].iter().flat_map(|v| v.to_array()).all(f32::is_finite)
 }
 

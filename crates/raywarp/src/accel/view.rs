@@ -19,6 +19,14 @@ impl<'a, S: Structure> Borrowed<'a, S> {
         Self { structure, arrays: PhantomData }
     }
 
+    /// Of views that others made.
+    ///
+    /// # Safety
+    /// They point into arrays that live for `'a`, and the indices there are in range.
+    pub unsafe fn of(structure: S) -> Self {
+        Self::new(structure)
+    }
+
     /// The structure itself, for a kernel's parameters.
     ///
     /// # Safety
@@ -29,6 +37,8 @@ impl<'a, S: Structure> Borrowed<'a, S> {
 }
 
 impl<S: Structure> Structure for Borrowed<'_, S> {
+    const NAME: &'static str = S::NAME;
+
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         self.structure.traverse(ray, counter, visitor)

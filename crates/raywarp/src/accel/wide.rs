@@ -11,7 +11,7 @@ use super::{Invalid, TreeStats};
 
 /// A box in double precision, where planes on a grid are what they stand for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Region {
+pub struct Region {
     pub low: [f64; 3],
     pub high: [f64; 3],
 }
@@ -67,13 +67,13 @@ impl Region {
 
 /// A child as a layout tells it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Told {
+pub struct Told {
     pub region: Region,
     pub link: Link,
 }
 
 /// A tree with at most eight children a node.
-pub(super) trait Layout {
+pub trait Layout {
     /// Levels that traversal's stack holds.
     const LEVELS: usize;
 
@@ -93,7 +93,7 @@ pub(super) trait Layout {
 }
 
 /// See [`Accel::stats`](super::Accel::stats).
-pub(super) fn stats(tree: &impl Layout, build_seconds: f64) -> TreeStats {
+pub fn stats(tree: &impl Layout, build_seconds: f64) -> TreeStats {
     let mut stats = TreeStats { nodes: tree.nodes(), bytes: tree.bytes(), build_seconds, ..TreeStats::default() };
     let children = |node: u32| tree.children(node).into_iter().flatten().flatten();
     let root = children(0).fold(Region::EMPTY, |all, child| all.join(&child.region));
@@ -113,7 +113,7 @@ pub(super) fn stats(tree: &impl Layout, build_seconds: f64) -> TreeStats {
 
 /// See [`Accel::validate`](super::Accel::validate). Of a triangle that is in several leaves this proves only that their
 /// boxes together reach as far as it does.
-pub(super) fn validate<L: Layout>(tree: &L) -> Result<(), Invalid> {
+pub fn validate<L: Layout>(tree: &L) -> Result<(), Invalid> {
     if tree.nodes() == 0 {
         return Err(Invalid::NoRoot);
     }
@@ -221,7 +221,7 @@ impl<L: Layout> Walk<'_, L> {
 }
 
 /// Whether a link of a node leads to something.
-pub(super) fn in_range(tree: &impl Layout, node: u32, link: Link) -> Result<(), Invalid> {
+pub fn in_range(tree: &impl Layout, node: u32, link: Link) -> Result<(), Invalid> {
     let (what, index, count) = match link {
         Link::Node(index) => ("node", u64::from(index), tree.nodes()),
         Link::Leaf(first, count) => ("triangle", u64::from(first) + u64::from(count) - 1, tree.places()),
@@ -244,28 +244,9 @@ mod tests {
     use super::*;
     use crate::accel::bvh2::Bvh2;
     use crate::accel::bvh2_binned;
-    use crate::accel::bvh4::Bvh4;
-    use crate::accel::bvh8::Bvh8;
     use crate::accel::bvh8f::Bvh8f;
-    use crate::accel::bvh8w::Bvh8w;
     use raywarp_kernels::math::vec3;
     use raywarp_kernels::traverse::bvh2::{Child, Node, MAX_DEPTH};
-
-    /// Evaluates an expression with each kind of tree that a binary one can become.
-    macro_rules! for_each_layout {
-        ($binary:expr, $tree:ident => $body:expr) => {{
-            let binary = $binary;
-            for_each_layout!(@ Bvh4::from_bvh2(binary), $tree => $body);
-            for_each_layout!(@ Bvh8::from_bvh2(binary), $tree => $body);
-            for_each_layout!(@ Bvh8w::from_bvh2(binary), $tree => $body);
-            for_each_layout!(@ Bvh8f::from_bvh2(binary).unwrap(), $tree => $body);
-        }};
-        (@ $made:expr, $tree:ident => $body:expr) => {{
-            #[allow(unused_mut)]
-            let mut $tree = $made;
-            $body
-        }};
-    }
 
     fn at(x: f32, size: f32, primitive: u32) -> Triangle {
         let corner = |y, z| vec3(x, y * size, z * size);
@@ -293,14 +274,16 @@ mod tests {
         Bvh2::from_parts(nodes, triangles).unwrap()
     }
 
+    fn made(binary: &Bvh2) -> Bvh8f {
+        Bvh8f::from_bvh2(binary).unwrap()
+    }
+
     #[test]
     fn every_small_count_is_a_valid_tree() {
         for count in 0..70 {
-            let binary = bvh2_binned::build(row(count)).unwrap();
-            for_each_layout!(&binary, tree => {
-                assert_eq!(tree.validate(), Ok(()), "{count}");
-                assert_eq!(tree.stats().references, count as usize);
-            });
+            let tree = made(&bvh2_binned::build(row(count)).unwrap());
+            assert_eq!(tree.validate(), Ok(()), "{count}");
+            assert_eq!(tree.stats().references, count as usize);
         }
     }
 
@@ -311,7 +294,7 @@ mod tests {
         for size in sizes {
             let count = MAX_DEPTH as u32 + 1;
             let binary = chain((0..count).map(|i| at(i as f32, size(i as f32), i)).collect());
-            for_each_layout!(&binary, tree => assert_eq!(tree.validate(), Ok(())));
+            assert_eq!(made(&binary).validate(), Ok(()));
         }
     }
 
@@ -331,45 +314,29 @@ mod tests {
             triangles: vec![long; 2],
             build_seconds: 0.0,
         };
-        for_each_layout!(&cut([4.0, 4.0]), tree => {
-            assert_eq!(tree.validate(), Ok(()));
-            assert_eq!(tree.triangles().len(), 2);
-        });
+        let tree = made(&cut([4.0, 4.0]));
+        assert_eq!(tree.validate(), Ok(()));
+        assert_eq!(tree.triangles().len(), 2);
         // A part of it is in neither box.
         let outside = cut([1.0, 2.0]);
         let outside = Bvh2 { nodes: vec![Node { high: [outside.nodes[0].high[0]; 2], ..outside.nodes[0] }], ..outside };
-        for_each_layout!(&outside, tree => assert_eq!(tree.validate(), Err(Invalid::Outside { node: 0 })));
+        assert_eq!(made(&outside).validate(), Err(Invalid::Outside { node: 0 }));
     }
 
     #[test]
-    fn flaws_of_every_layout_are_found() {
-        let binary = bvh2_binned::build(row(200)).unwrap();
-        for_each_layout!(&binary, tree => {
-            let whole = tree.clone();
-            tree.nodes.push(tree.nodes[0]);
-            assert!(matches!(tree.validate(), Err(Invalid::Unreached { .. })));
-            tree.nodes.clear();
-            assert_eq!(tree.validate(), Err(Invalid::NoRoot));
-            tree = whole.clone();
-            tree.nodes.truncate(1);
-            assert!(matches!(tree.validate(), Err(Invalid::OutOfRange { what: "node", .. })));
-        });
-        let whole = Bvh4::from_bvh2(&binary);
-        let broken = |change: fn(&mut Bvh4)| {
+    fn flaws_are_found() {
+        let whole = made(&bvh2_binned::build(row(200)).unwrap());
+        let broken = |change: fn(&mut Bvh8f)| {
             let mut tree = whole.clone();
             change(&mut tree);
             tree.validate().unwrap_err()
         };
+        assert!(matches!(broken(|tree| tree.nodes.push(tree.nodes[0])), Invalid::Unreached { .. }));
+        assert_eq!(broken(|tree| tree.nodes.clear()), Invalid::NoRoot);
+        let cut_short = broken(|tree| tree.nodes.truncate(1));
+        assert!(matches!(cut_short, Invalid::OutOfRange { what: "node", .. }), "{cut_short:?}");
         assert_eq!(broken(|tree| tree.nodes[0].children[0] = Child::node(0)), Invalid::Reached { node: 0 });
-        assert_eq!(broken(|tree| tree.nodes[0].spacing.x = 0.0), Invalid::Grid { node: 0 });
-        assert!(matches!(broken(|tree| tree.nodes[0].high[1] = 0x0101_0101), Invalid::Outside { .. }));
-        assert!(matches!(broken(|tree| tree.triangles.push(at(0.0, 1.0, 0))), Invalid::Leaves { leaves: 0, .. }));
-        assert!(matches!(broken(|tree| tree.triangles.truncate(9)), Invalid::OutOfRange { what: "triangle", .. }));
-        let mut tree = Bvh8::from_bvh2(&binary);
-        tree.nodes[0].slots[0] = 0xffff_ffff;
-        assert!(matches!(tree.validate(), Err(Invalid::Slot { node: 0, .. })));
-        let mut tree = Bvh8::from_bvh2(&binary);
-        tree.nodes[0].exponents |= 0xff;
-        assert_eq!(tree.validate(), Err(Invalid::Grid { node: 0 }));
+        let blocks = broken(|tree| tree.blocks.truncate(2));
+        assert!(matches!(blocks, Invalid::OutOfRange { what: "triangle", .. }), "{blocks:?}");
     }
 }

@@ -56,7 +56,10 @@ impl<T: Plain> Buffer<T> {
     }
 
     /// Makes all items zero.
-    pub(crate) fn clear(&mut self) -> Result<(), DeviceError> {
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the device fails.
+    pub fn clear(&mut self) -> Result<(), DeviceError> {
         match &mut self.storage {
             Storage::Host(items) => {
                 // SAFETY: zeros are a `Plain` value.
@@ -104,7 +107,10 @@ impl<T: Plain> Buffer<T> {
     }
 
     /// The items: where they are on the host, or a copy of them.
-    pub(crate) fn items(&self) -> Result<Cow<'_, [T]>, DeviceError> {
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the device fails.
+    pub fn items(&self) -> Result<Cow<'_, [T]>, DeviceError> {
         match &self.storage {
             Storage::Host(items) => Ok(Cow::Borrowed(items)),
             Storage::Cuda(_) => self.to_vec().map(Cow::Owned),
@@ -143,6 +149,22 @@ impl<T: Plain> Buffer<T> {
         // SAFETY: the address and length are the buffer's own. That it outlives the launch is part of the contract of
         // `Device::launch`, the only place where a view is followed.
         unsafe { View::new(address, self.len) }
+    }
+
+    /// The items, for a kernel that is launched by hand to read.
+    ///
+    /// # Safety
+    /// Nothing reads them after the buffer is gone, while they are written, or on another machine than the buffer's.
+    pub unsafe fn lend(&self) -> View<T> {
+        self.view()
+    }
+
+    /// The items, for a kernel that is launched by hand to write.
+    ///
+    /// # Safety
+    /// As for [`lend`](Self::lend), and nothing else touches what is written.
+    pub unsafe fn lend_mut(&mut self) -> ViewMut<T> {
+        self.view_mut()
     }
 
     /// The items, for a kernel to write.

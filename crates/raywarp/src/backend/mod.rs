@@ -9,6 +9,8 @@ mod cpu;
 mod cuda;
 mod error;
 mod kernel_info;
+mod launchable;
+mod module;
 mod pace;
 mod staging;
 mod stream;
@@ -21,6 +23,8 @@ pub use buffer::Buffer;
 pub use choice::{DeviceChoice, ParseDeviceError};
 pub use error::DeviceError;
 pub use kernel_info::KernelInfo;
+pub(crate) use launchable::Launchable;
+pub use module::Module;
 pub(crate) use pace::Pace;
 pub use staging::Staging;
 pub(crate) use stream::Launch;
@@ -53,15 +57,31 @@ impl Device {
     /// # Errors
     /// [`DeviceError`] where a CUDA device was asked for by name and cannot be used. There is no silent way down.
     pub fn open(choice: DeviceChoice) -> Result<Self, DeviceError> {
-        match choice {
-            DeviceChoice::Cpu => Ok(Self { machine: Machine::Cpu, fallback: None, block: None }),
-            DeviceChoice::Cuda(index) => {
-                Ok(Self { machine: Machine::Cuda(cuda::Cuda::open(index)?), fallback: None, block: None })
-            }
-            DeviceChoice::Auto => Ok(match cuda::Cuda::open_any() {
-                Ok(gpu) => Self { machine: Machine::Cuda(gpu), fallback: None, block: None },
-                Err(error) => Self { machine: Machine::Cpu, fallback: Some(error.to_string()), block: None },
-            }),
+        Self::open_with(choice, &[])
+    }
+
+    /// The same with other kernels than raywarp's own: for structures and kernels of others, see
+    /// [`Resident`](crate::accel::Resident).
+    ///
+    /// # Errors
+    /// As for [`open`](Self::open).
+    pub fn open_with(choice: DeviceChoice, modules: &'static [Module]) -> Result<Self, DeviceError> {
+        let (machine, fallback) = match choice {
+            DeviceChoice::Cpu => (Machine::Cpu, None),
+            DeviceChoice::Cuda(index) => (Machine::Cuda(cuda::Cuda::open(index, modules)?), None),
+            DeviceChoice::Auto => match cuda::Cuda::open_any(modules) {
+                Ok(gpu) => (Machine::Cuda(gpu), None),
+                Err(error) => (Machine::Cpu, Some(error.to_string())),
+            },
+        };
+        Ok(Self { machine, fallback, block: None })
+    }
+
+    /// Whether a kernel can be launched here: on the CPU always, on a CUDA device where there is PTX of it.
+    pub fn has_kernel<K: Kernel>(&self) -> bool {
+        match &self.machine {
+            Machine::Cpu => true,
+            Machine::Cuda(gpu) => gpu.source(K::NAME).is_some(),
         }
     }
 
@@ -92,7 +112,7 @@ impl Device {
     }
 
     /// Threads of a warp, and of a block of a single row.
-    pub(crate) fn warp_and_block(&self) -> (u32, u32) {
+    pub fn warp_and_block(&self) -> (u32, u32) {
         match &self.machine {
             Machine::Cpu => (1, cpu::BATCH),
             Machine::Cuda(_) => (32, self.block.map_or(cuda::BLOCK_ROW, |block| block[0] * block[1])),

@@ -20,13 +20,18 @@ pub struct Cost {
 /// Nodes and triangles of each of every n-th ray, with the smallest n that leaves at most `most` rays: of its closest hit,
 /// or of whether it hits anything.
 pub fn tests(structure: &Accel, rays: &[Ray], any_hit: bool, most: usize) -> Vec<Tests> {
+    sampled(rays, most, |ray, tests| match any_hit {
+        true => drop(structure.occlusion(ray, tests)),
+        false => drop(structure.closest(ray, &START, tests)),
+    })
+}
+
+/// The same of a structure of others: `trace` asks it about a ray.
+pub fn sampled(rays: &[Ray], most: usize, trace: impl Fn(&Ray, &mut Tests) + Sync) -> Vec<Tests> {
     let step = rays.len().div_ceil(most.max(1)).max(1);
     let count = |ray: &Ray| {
         let mut tests = Tests::default();
-        match any_hit {
-            true => drop(structure.occlusion(ray, &mut tests)),
-            false => drop(structure.closest(ray, &START, &mut tests)),
-        }
+        trace(ray, &mut tests);
         tests
     };
     rays.par_iter().step_by(step).map(count).collect()
@@ -36,7 +41,11 @@ impl Cost {
     /// Of every n-th ray, with the smallest n that leaves at most `most` of them: the closest hit of each, or whether
     /// it hits anything.
     pub fn of(structure: &Accel, rays: &[Ray], any_hit: bool, most: usize) -> Self {
-        let each = tests(structure, rays, any_hit, most);
+        Self::mean(&tests(structure, rays, any_hit, most))
+    }
+
+    /// Of rays that were counted.
+    pub fn mean(each: &[Tests]) -> Self {
         let sum = |of: fn(&Tests) -> u32| each.iter().map(|tests| u64::from(of(tests))).sum::<u64>();
         let (rays, nodes, triangles) = (each.len() as u64, sum(|tests| tests.nodes), sum(|tests| tests.triangles));
         let mean = |sum: u64| sum as f64 / rays.max(1) as f64;

@@ -2,7 +2,7 @@
 
 use super::{Geometries, QueryError, RayCaster, Report, Shared};
 use crate::accel::instanced::{self, Instanced, Placement};
-use crate::accel::{AnyResident, BuildError, Quality, ResidentInstanced};
+use crate::accel::{BuildError, Quality, ResidentInstanced};
 use crate::backend::Device;
 use crate::render::{check_instance, check_mesh, flags_of, RenderError};
 use crate::scene::{Mesh, Scene};
@@ -94,7 +94,7 @@ impl RayCaster {
     /// # Errors
     /// The device has no room.
     pub fn from_instanced(tree: &Instanced, device: &Device) -> Result<Self, QueryError> {
-        let structure = AnyResident::Two(ResidentInstanced::upload(device, tree)?);
+        let structure = Box::new(ResidentInstanced::upload(device, tree)?);
         let (geometries, report) = (Geometries::default(), Report::of_instanced(tree));
         Ok(Self::sharing(Shared { device: device.clone(), structure, geometries, report }))
     }

@@ -15,6 +15,7 @@ mod error;
 pub mod files;
 mod geometry;
 mod hits;
+pub(crate) mod kernels;
 mod levels;
 mod question;
 mod ray_kind;
@@ -25,20 +26,22 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::accel::instanced::Instanced;
-use crate::accel::{cache, sift, Accel, AnyResident, Build, Dropped, Resident, ResidentInstanced, TreeStats};
+use crate::accel::{cache, check_device, sift, Accel, Build, Dropped, Resident, ResidentInstanced, TreeStats};
 use crate::backend::Device;
-use crate::render::Flat;
+use crate::render::{upload, Flat};
 use crate::scene::Scene;
 use crate::{Hit, Ray, Triangle};
 
 pub use batch::{Batch, Progress};
 pub use coherence::Coherence;
-pub use cost::{tests, Cost};
+pub use cost::{sampled, tests, Cost};
 pub use error::QueryError;
 pub use geometry::Geometries;
 pub use hits::{AllHits, Hits};
+use kernels::QueryKernels;
 pub use levels::{two_level, Levels};
 pub use ray_kind::{RayKind, UnknownRayKind};
+pub use raywarp_kernels::traverse::Tests;
 pub use timed::{Answers, Timed};
 pub use workload::{opaque_triangles, PixelOrder, RaySource, Spot, Workload};
 
@@ -74,7 +77,7 @@ pub struct RayCaster {
 
 struct Shared {
     device: Device,
-    structure: AnyResident,
+    structure: Box<dyn QueryKernels>,
     geometries: Geometries,
     report: Report,
 }
@@ -131,7 +134,7 @@ impl RayCaster {
         let start = Instant::now();
         let tree = two_level(scene, what.quality)?;
         let build_seconds = start.elapsed().as_secs_f64();
-        let structure = AnyResident::Two(ResidentInstanced::upload(device, &tree)?);
+        let structure = Box::new(ResidentInstanced::upload(device, &tree)?);
         let report = Report { build_seconds, ..Report::of_instanced(&tree) };
         Ok(Self::sharing(Shared { device: device.clone(), structure, geometries, report }))
     }
@@ -151,6 +154,7 @@ impl RayCaster {
         what: Build,
         device: &Device,
     ) -> Result<Self, QueryError> {
+        check_device(what.kind, device)?;
         let start = Instant::now();
         let (triangles, dropped) = sift(triangles);
         let count = triangles.len();
@@ -160,20 +164,31 @@ impl RayCaster {
         let warning = built.warning.map(|warning| warning.to_string());
         let report = Report { triangles: count, dropped, tree: accel.stats(), build_seconds, warning };
         device.reserve(report.tree.bytes as u64, "the scene")?;
-        let structure = AnyResident::One(Resident::upload(device, &accel)?);
+        let structure = upload(device, &accel)?;
         Ok(Self::sharing(Shared { device: device.clone(), structure, geometries, report }))
     }
 
     /// Copies a structure that was built elsewhere to a device.
     ///
     /// # Errors
-    /// The device has no room for it.
+    /// The device has no room for it, or no kernels.
     pub fn of(accel: &Accel, device: &Device) -> Result<Self, QueryError> {
+        check_device(accel.kind(), device)?;
         let report = Report { triangles: accel.triangles().len(), tree: accel.stats(), ..Report::default() };
         device.reserve(report.tree.bytes as u64, "the structure")?;
-        let structure = AnyResident::One(Resident::upload(device, accel)?);
+        let structure = upload(device, accel)?;
         let geometries = Geometries::default();
         Ok(Self::sharing(Shared { device: device.clone(), structure, geometries, report }))
+    }
+
+    /// A structure of others that is on a device already.
+    ///
+    /// # Safety
+    /// It is on that one.
+    pub unsafe fn of_resident(resident: impl Resident, stats: TreeStats, device: &Device) -> Self {
+        let report = Report { triangles: stats.references - stats.duplicates, tree: stats, ..Report::default() };
+        let (structure, geometries) = (Box::new(resident), Geometries::default());
+        Self::sharing(Shared { device: device.clone(), structure, geometries, report })
     }
 
     fn sharing(shared: Shared) -> Self {
@@ -246,7 +261,7 @@ impl RayCaster {
         &self.shared.geometries
     }
 
-    fn structure(&self) -> &AnyResident {
-        &self.shared.structure
+    fn structure(&self) -> &dyn QueryKernels {
+        &*self.shared.structure
     }
 }

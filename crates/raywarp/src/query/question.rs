@@ -1,14 +1,13 @@
 //! From a question to the launch of its kernel.
 
-use raywarp_kernels::kernels::{All, Closest, Count, Kernel, Occluded};
+use raywarp_kernels::kernels::Kernel;
 use raywarp_kernels::pool::Pooled;
 use raywarp_kernels::traverse::question::{self, AnyHit, ClosestHit};
-use raywarp_kernels::traverse::{Compact, Structure};
+use raywarp_kernels::traverse::Compact;
 use raywarp_kernels::view::{View, ViewMut};
 
 use super::{Coherence, QueryError, RayCaster};
-use crate::accel::{with_any_structure, AnyResident, Resident};
-use crate::backend::{Buffer, Device, DeviceError, Launch, Stream};
+use crate::backend::{Buffer, Device, DeviceError, Launch, Launchable, Stream};
 use crate::{Hit, Ray};
 
 /// What a kernel is asked, and where its answers go.
@@ -53,41 +52,32 @@ impl RayCaster {
         stream: Option<&Stream>,
     ) -> Result<Asked, DeviceError> {
         let batch = Batch { device: self.device(), rays, stream };
-        // SAFETY: the caller's promise.
-        unsafe {
-            match question {
-                Question::Find(question) => match self.pooled() {
-                    Some(tree) => return batch.find_pooled(tree, question),
-                    None => with_any_structure!(self.structure(), structure => batch.find(structure, question)),
-                },
-                // Long kernels already: of a tree in two layouts they know one.
-                Question::Collect(question) => {
-                    with_any_structure!(self.structure(), structure, both => both.compact, batch.collect(structure, question))
-                }
+        let structure = self.structure();
+        let kernel = match question {
+            Question::Find(question) => match (self.pooled(), question) {
+                // SAFETY: the caller's promise.
+                (Some(tree), question) => return unsafe { batch.find_pooled(tree, question) },
+                (None, Find::Closest { hits }) => structure.closest(rays, hits),
+                (None, Find::Any { blocked }) => structure.occluded(rays, blocked),
+            },
+            Question::Collect(Collect::Count { limit, counts }) => structure.count(rays, limit, counts),
+            Question::Collect(Collect::All { offsets, limit, counts, hits }) => {
+                structure.all(rays, offsets, limit, counts, hits)
             }
-        }
-        .map(Asked::from)
+        };
+        // SAFETY: the caller's promise.
+        unsafe { batch.run(&*kernel, rays.len()) }.map(Asked::from)
     }
 
     /// The tree by which batches as expected are answered in a pool, if they are.
     pub(super) fn pooled(&self) -> Option<Compact> {
         let pooled = self.expected == Coherence::Incoherent && self.device().is_cuda();
-        pooled.then(|| self.small_nodes()).flatten()
+        pooled.then(|| self.structure().compact()).flatten()
     }
 
     /// Whether batches are answered by one kernel or the other as [`Coherence`] says.
     pub(super) fn has_choice(&self) -> bool {
-        self.device().is_cuda() && self.small_nodes().is_some()
-    }
-
-    /// The tree as a pool takes it.
-    fn small_nodes(&self) -> Option<Compact> {
-        match self.structure() {
-            AnyResident::One(Resident::Bvh { small, triangles, grid, .. }) => {
-                Some(Compact { nodes: small.view(), triangles: triangles.view(), grid: *grid })
-            }
-            _ => None,
-        }
+        self.device().is_cuda() && self.structure().compact().is_some()
     }
 }
 
@@ -136,23 +126,6 @@ struct Batch<'a> {
 impl Batch<'_> {
     /// # Safety
     /// As for [`Device::launch`], until the launch has been waited for.
-    unsafe fn find<S: Structure>(&self, structure: S, question: Find) -> Result<Launch, DeviceError>
-    where
-        Closest<S>: Kernel,
-        Occluded<S>: Kernel,
-    {
-        let rays = self.rays;
-        // SAFETY: the caller's promise, for each of them.
-        unsafe {
-            match question {
-                Find::Closest { hits } => self.run(&Closest { structure, rays, hits }),
-                Find::Any { blocked } => self.run(&Occluded { structure, rays, occluded: blocked }),
-            }
-        }
-    }
-
-    /// # Safety
-    /// As for [`Device::launch`], until the launch has been waited for.
     unsafe fn find_pooled(&self, tree: Compact, question: Find) -> Result<Asked, DeviceError> {
         let mut numbers = self.device.zeroed(Pooled::<ClosestHit>::NUMBERS)?;
         // SAFETY: the caller's promise, for each of them; the numbers are held as long.
@@ -160,11 +133,11 @@ impl Batch<'_> {
             match question {
                 Find::Closest { hits } => {
                     let (kernel, threads) = pool::<ClosestHit>(self.device, tree, self.rays, hits, &mut numbers)?;
-                    self.run_by(&kernel, threads)?
+                    self.run(&kernel, threads)?
                 }
                 Find::Any { blocked } => {
                     let (kernel, threads) = pool::<AnyHit>(self.device, tree, self.rays, blocked, &mut numbers)?;
-                    self.run_by(&kernel, threads)?
+                    self.run(&kernel, threads)?
                 }
             }
         };
@@ -173,39 +146,13 @@ impl Batch<'_> {
 
     /// # Safety
     /// As for [`Device::launch`], until the launch has been waited for.
-    unsafe fn collect<S: Structure>(&self, structure: S, question: Collect) -> Result<Launch, DeviceError>
-    where
-        Count<S>: Kernel,
-        All<S>: Kernel,
-    {
-        let rays = self.rays;
-        // SAFETY: the caller's promise, for each of them.
-        unsafe {
-            match question {
-                Collect::Count { limit, counts } => self.run(&Count { structure, rays, limit, counts }),
-                Collect::All { offsets, limit, counts, hits } => {
-                    self.run(&All { structure, rays, offsets, limit, counts, hits })
-                }
-            }
-        }
-    }
-
-    /// # Safety
-    /// As for [`Device::launch`], until the launch has been waited for.
-    unsafe fn run(&self, kernel: &impl Kernel) -> Result<Launch, DeviceError> {
-        // SAFETY: the caller's promise.
-        unsafe { self.run_by(kernel, self.rays.len()) }
-    }
-
-    /// # Safety
-    /// As for [`Device::launch`], until the launch has been waited for.
-    unsafe fn run_by(&self, kernel: &impl Kernel, threads: u32) -> Result<Launch, DeviceError> {
+    unsafe fn run(&self, kernel: &dyn Launchable, threads: u32) -> Result<Launch, DeviceError> {
         let extent = [threads, 1];
         match self.stream {
             // SAFETY: the caller's promise.
-            Some(stream) => unsafe { stream.launch(kernel, extent) },
+            Some(stream) => unsafe { kernel.launch_on(stream, extent) },
             // SAFETY: the caller's promise.
-            None => unsafe { self.device.launch(kernel, extent) }.map(Launch::done),
+            None => unsafe { kernel.launch(self.device, extent) }.map(Launch::done),
         }
     }
 }
@@ -260,7 +207,7 @@ mod tests {
                 RayCaster::new(triangles.clone(), build, &device).unwrap()
             };
             let (brute, caster) = (with(AccelKind::Brute), with(AccelKind::Bvh));
-            let tree = caster.small_nodes().unwrap();
+            let tree = caster.structure().compact().unwrap();
             let batch = device.upload(&rays).unwrap();
             let mut numbers = device.zeroed(Pooled::<ClosestHit>::NUMBERS).unwrap();
             let mut hits = device.zeroed::<Hit>(rays.len()).unwrap();

@@ -1,14 +1,12 @@
 //! A batch that stays on the device and is asked again and again: for measuring.
 
-use raywarp_kernels::kernels::{Closest, Kernel, Occluded};
 use raywarp_kernels::pool::Pooled;
 use raywarp_kernels::traverse::question::{AnyHit, ClosestHit};
 
 use super::coherence::faster;
 use super::question::pool;
 use super::{QueryError, RayCaster};
-use crate::accel::with_any_structure;
-use crate::backend::{Buffer, Device, DeviceError, KernelInfo};
+use crate::backend::{Buffer, DeviceError, KernelInfo, Launchable};
 use crate::{Hit, Ray};
 
 /// Rays on a device with room for their answers.
@@ -61,38 +59,6 @@ impl RayCaster {
     }
 }
 
-/// What is done with a kernel, whichever it is.
-trait Use {
-    type Result;
-    fn of<K: Kernel>(self, device: &Device, kernel: &K, threads: u32) -> Result<Self::Result, DeviceError>;
-}
-
-struct Stopwatch {
-    /// Those that do not count, and those that do.
-    times: [u32; 2],
-}
-
-impl Use for Stopwatch {
-    type Result = Vec<f64>;
-
-    fn of<K: Kernel>(self, device: &Device, kernel: &K, threads: u32) -> Result<Vec<f64>, DeviceError> {
-        let [warmup, repeats] = self.times;
-        // SAFETY: the batch holds structure, rays and answers until this returns. The builders keep
-        // their indices in range.
-        unsafe { device.time(kernel, [threads, 1], warmup, repeats) }
-    }
-}
-
-struct Inquiry;
-
-impl Use for Inquiry {
-    type Result = Option<KernelInfo>;
-
-    fn of<K: Kernel>(self, device: &Device, kernel: &K, threads: u32) -> Result<Option<KernelInfo>, DeviceError> {
-        device.kernel_info(kernel, [threads, 1])
-    }
-}
-
 impl Timed {
     /// Asks `warmup` times, and then `repeats` times of which each is timed. Returns the seconds on the device, without
     /// any copy.
@@ -100,7 +66,9 @@ impl Timed {
     /// # Errors
     /// The device fails.
     pub fn time(&mut self, warmup: u32, repeats: u32) -> Result<Vec<f64>, QueryError> {
-        Ok(self.with_kernel(Stopwatch { times: [warmup, repeats] })?)
+        let (kernel, threads) = self.kernel()?;
+        // SAFETY: this holds structure, rays and answers until it returns. The builders keep their indices in range.
+        Ok(unsafe { kernel.time(self.caster.device(), [threads, 1], [warmup, repeats]) }?)
     }
 
     /// What the kernel takes of the device; nothing on the CPU.
@@ -108,29 +76,25 @@ impl Timed {
     /// # Errors
     /// The device does not answer.
     pub fn kernel_info(&mut self) -> Result<Option<KernelInfo>, QueryError> {
-        Ok(self.with_kernel(Inquiry)?)
+        let (kernel, threads) = self.kernel()?;
+        Ok(kernel.info(self.caster.device(), [threads, 1])?)
     }
 
-    fn with_kernel<U: Use>(&mut self, what: U) -> Result<U::Result, DeviceError> {
+    /// The kernel that answers the batch, and its threads.
+    fn kernel(&mut self) -> Result<(Box<dyn Launchable>, u32), DeviceError> {
         let (caster, rays, numbers) = (&self.caster, self.rays.view(), &mut self.numbers);
         let device = caster.device();
-        if let Some(tree) = caster.pooled() {
-            return match &mut self.room {
-                Room::Closest(hits) => {
-                    let (kernel, threads) = pool::<ClosestHit>(device, tree, rays, hits.view_mut(), numbers)?;
-                    what.of(device, &kernel, threads)
-                }
-                Room::Occluded(occluded) => {
-                    let (kernel, threads) = pool::<AnyHit>(device, tree, rays, occluded.view_mut(), numbers)?;
-                    what.of(device, &kernel, threads)
-                }
-            };
-        }
-        with_any_structure!(caster.structure(), structure => match &mut self.room {
-            Room::Closest(hits) => what.of(device, &Closest { structure, rays, hits: hits.view_mut() }, rays.len()),
-            Room::Occluded(occluded) => {
-                what.of(device, &Occluded { structure, rays, occluded: occluded.view_mut() }, rays.len())
+        Ok(match (caster.pooled(), &mut self.room) {
+            (Some(tree), Room::Closest(hits)) => {
+                let (kernel, threads) = pool::<ClosestHit>(device, tree, rays, hits.view_mut(), numbers)?;
+                (Box::new(kernel), threads)
             }
+            (Some(tree), Room::Occluded(occluded)) => {
+                let (kernel, threads) = pool::<AnyHit>(device, tree, rays, occluded.view_mut(), numbers)?;
+                (Box::new(kernel), threads)
+            }
+            (None, Room::Closest(hits)) => (caster.structure().closest(rays, hits.view_mut()), rays.len()),
+            (None, Room::Occluded(occluded)) => (caster.structure().occluded(rays, occluded.view_mut()), rays.len()),
         })
     }
 

@@ -7,7 +7,7 @@ use raywarp_kernels::traverse::bvh2::Node;
 use super::flatten::{self, Flat};
 use super::lighting::Lighting;
 use super::{RenderError, Structure, Tracer};
-use crate::accel::{sift, Resident, TreeBox};
+use crate::accel::{sift, ResidentBvh2, TreeBox};
 use crate::backend::{Buffer, Device};
 use crate::scene::{Image, Instance, Material, Scene};
 use crate::Triangle;
@@ -95,26 +95,23 @@ impl Tracer {
         if mesh.positions.len() != place.vertices {
             return Err(RenderError::Scene { mesh: format!("instance {index}"), part: "the number of vertices" });
         }
-        if flatten::is_mirrored(instance) != place.mirrored || !matches!(self.structure.resident, Resident::Bvh2 { .. })
-        {
+        let Some(tree) = self.structure.resident_mut::<ResidentBvh2>() else { return Ok(false) };
+        if flatten::is_mirrored(instance) != place.mirrored {
             return Ok(false);
         }
         let mut flat = Flat::default();
         flat.place(mesh, instance);
         self.scene.move_vertices(place.first_vertex, &flat)?;
-        if let Resident::Bvh2 { reach, .. } = &mut self.structure.resident {
-            // Rounding errors are bounded by the farthest box: a bound too large is safe.
-            let far = |v: &Vec3| [v.x, v.y, v.z].map(|x| (x.abs() * (1.0 + 1e-6)).next_up());
-            let farthest =
-                flat.positions.iter().map(far).fold(reach.to_array(), |a, b| [0, 1, 2].map(|i| a[i].max(b[i])));
-            *reach = farthest.into();
-        }
+        // Rounding errors are bounded by the farthest box: a bound too large is safe.
+        let far = |v: &Vec3| [v.x, v.y, v.z].map(|x| (x.abs() * (1.0 + 1e-6)).next_up());
+        let reach = tree.reach.to_array();
+        tree.reach = flat.positions.iter().map(far).fold(reach, |a, b| [0, 1, 2].map(|i| a[i].max(b[i]))).into();
         self.reshape([place.first_primitive, place.first_primitive + mesh.triangles.len() as u32])
     }
 
     /// Brings the tree's triangles of some primitives up to date, and all boxes.
     fn reshape(&mut self, moved: [u32; 2]) -> Result<bool, RenderError> {
-        let Resident::Bvh2 { nodes, triangles, .. } = &mut self.structure.resident else { return Ok(false) };
+        let Some(ResidentBvh2 { nodes, triangles, .. }) = self.structure.resident_mut() else { return Ok(false) };
         let flags = self.device.upload(&self.flags)?;
         let reshape = Reshape {
             primitives: self.scene.primitives(),

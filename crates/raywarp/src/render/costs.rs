@@ -3,11 +3,12 @@
 use raywarp_kernels::film::Pixel;
 use raywarp_kernels::kernels::Frame;
 use raywarp_kernels::shade::whitted::Limits;
-use raywarp_kernels::traverse::{Counter, StageTimes, Tests};
+use raywarp_kernels::traverse::Tests;
 use raywarp_kernels::view::ViewMut;
 
 use super::options::Window;
-use super::{camera, passes, RenderError, RenderOptions, Tracer};
+use super::passes::{self, Pass};
+use super::{camera, RenderError, RenderOptions, Tracer};
 use crate::backend::Buffer;
 use crate::scene::Camera;
 
@@ -34,55 +35,30 @@ impl Tracer {
         let mut tests = self.device.zeroed::<Tests>(window.pixels())?;
         let mut ticks = self.device.zeroed::<u32>(window.pixels())?;
         let lights = self.lighting.upload(&self.device, camera)?;
-        let pass = passes::Pass {
+        let pass = Pass {
             film: film.view_mut(),
             tests: tests.view_mut(),
             ticks: ticks.view_mut(),
             ..self.whole(camera, options, window, &lights)?
         };
-        passes::shade(&self.device, &self.structure.resident, &pass)?;
+        passes::shade(&self.device, &*self.structure.resident, &pass)?;
         Ok(PixelCosts { tests: tests.download()?, ticks: ticks.download()? })
     }
 
-    /// How long the threads of all pixels were in each stage, added up: making camera rays, looking for hits, everything
-    /// else. In units of [`PixelCosts::ticks`]; a thread that waits for others of its warp is in the stage where it waits.
-    /// The kernel with clocks is a little slower than the one without. None for structures other than `brute`, `kd`, `kdsah`
-    /// and `bvh2`.
+    /// For kernels that are launched by hand: hands over what one is given that takes the first sample of a whole picture, of
+    /// which nothing is kept. The views are good while `measure` runs.
     ///
     /// # Errors
-    /// As for [`render`](Self::render).
-    pub fn stage_times(&self, camera: &Camera, options: &RenderOptions) -> Result<Option<[u64; 3]>, RenderError> {
-        let window = options.check()?;
-        let mut film = self.device.zeroed::<Pixel>(window.pixels())?;
-        let mut times = self.device.zeroed::<StageTimes>(window.pixels())?;
-        let lights = self.lighting.upload(&self.device, camera)?;
-        let pass = passes::Pass { film: film.view_mut(), ..self.whole(camera, options, window, &lights)? };
-        let done = passes::clock(&self.device, &self.structure.resident, &pass, times.view_mut())?;
-        if done.is_none() {
-            return Ok(None);
-        }
-        let add = |sum: [u64; 3], time: StageTimes| {
-            let spent = [time.generation, time.intersection, time.shading];
-            [0, 1, 2].map(|i| sum[i] + u64::from(spent[i]))
-        };
-        Ok(Some(times.download()?.into_iter().fold([0; 3], add)))
-    }
-
-    /// Traces single pixels as [`render`](Self::render) would with one sample, with a counter for each. None but for a
-    /// `bvh2` on the CPU.
-    ///
-    /// # Errors
-    /// As for [`render`](Self::render).
-    pub fn follow<C: Counter>(
+    /// As for [`render`](Self::render), and those of `measure`.
+    pub fn first_sample<T>(
         &self,
         camera: &Camera,
         options: &RenderOptions,
-        pixels: &[[u32; 2]],
-    ) -> Result<Option<Vec<C>>, RenderError> {
+        measure: impl FnOnce(&Pass) -> Result<T, RenderError>,
+    ) -> Result<T, RenderError> {
         let window = options.check()?;
         let lights = self.lighting.upload(&self.device, camera)?;
-        let pass = self.whole(camera, options, window, &lights)?;
-        Ok(passes::follow(&self.device, &self.structure.resident, &pass, pixels))
+        measure(&self.whole(camera, options, window, &lights)?)
     }
 
     /// The first sample of a whole picture in one launch, of which nothing is kept.
@@ -92,8 +68,8 @@ impl Tracer {
         options: &RenderOptions,
         window: Window,
         lights: &Lights,
-    ) -> Result<passes::Pass, RenderError> {
-        Ok(passes::Pass {
+    ) -> Result<Pass, RenderError> {
+        Ok(Pass {
             scene: self.scene.view(lights, &self.lighting),
             frame: Frame {
                 camera: camera::kernel_camera(camera, options.size)?,

@@ -217,7 +217,7 @@ impl Tracer {
             tests: ViewMut::EMPTY,
             ticks: ViewMut::EMPTY,
         };
-        exposure.kernel_seconds = passes::shade(&self.device, &self.structure.resident, &pass)?;
+        exposure.kernel_seconds = passes::shade(&self.device, &*self.structure.resident, &pass)?;
         exposure.pixel_samples = step.pixel_samples(width);
         film.took(step, exposure.kernel_seconds);
         exposure.complete = film.samples >= options.spp && step.rows[1] == height;
@@ -252,9 +252,9 @@ impl Tracer {
             ..self.whole(camera, &options, window, &lights)?
         };
         let mut seconds = if costs {
-            passes::shade(&self.device, &self.structure.resident, &pass)?
+            passes::shade(&self.device, &*self.structure.resident, &pass)?
         } else {
-            passes::surfels(&self.device, &self.structure.resident, &pass, surfels.view_mut())?
+            passes::surfels(&self.device, &*self.structure.resident, &pass, surfels.view_mut())?
         };
         let shown = Shown {
             quantity: quantity as u32,

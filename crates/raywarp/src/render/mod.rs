@@ -43,6 +43,9 @@ pub use film::{Exposure, Film, Painted, Quantity};
 pub(crate) use flatten::{check_instance, check_mesh, flags_of};
 pub use lighting::{ambient, sky};
 pub use options::{RenderOptions, MAX_DEPTH, MAX_SIDE, MAX_SPP};
+pub(crate) use passes::upload;
+#[doc(hidden)]
+pub use passes::Pass;
 pub use structure::Structure;
 
 /// A scene on a device, ready to be traced from any camera.
@@ -138,7 +141,7 @@ impl Tracer {
 
         let count = triangles.len();
         let bounds = flatten::bounds(&triangles);
-        let (tree, built) = Structure::arrange(accel.into(), triangles)?;
+        let (tree, built) = Structure::arrange(device, accel.into(), triangles)?;
         let estimate = ResidentScene::bytes(&flat, scene) + built.stats.bytes as u64;
         device.reserve(estimate, "the scene")?;
 
@@ -235,7 +238,7 @@ impl Tracer {
                 tests: tests.view_mut(),
                 ticks: ViewMut::EMPTY,
             };
-            let seconds = passes::shade(&self.device, &self.structure.resident, &pass)?;
+            let seconds = passes::shade(&self.device, &*self.structure.resident, &pass)?;
             kernel_seconds += seconds;
             launches += 1;
             bands.took(seconds);
@@ -254,7 +257,7 @@ impl Tracer {
         let mut surfels = self.device.zeroed::<Surfel>(window.pixels())?;
         let lights = self.lighting.upload(&self.device, camera)?;
         let pass = self.whole(camera, options, window, &lights)?;
-        passes::surfels(&self.device, &self.structure.resident, &pass, surfels.view_mut())?;
+        passes::surfels(&self.device, &*self.structure.resident, &pass, surfels.view_mut())?;
         Ok(surfels.download()?)
     }
 }

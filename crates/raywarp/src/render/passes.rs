@@ -2,23 +2,29 @@
 
 use std::marker::PhantomData;
 
-use raywarp_kernels::camera::pixel_centre;
 use raywarp_kernels::film::Pixel;
-use raywarp_kernels::kernels::{Frame, Kernel, Surfel, Surfels, Whitted};
-use raywarp_kernels::shade::whitted::{trace, Limits};
+use raywarp_kernels::kernels::{Frame, Surfel, Surfels, Whitted};
+use raywarp_kernels::shade::whitted::Limits;
 use raywarp_kernels::surface;
-use raywarp_kernels::traverse::{Brute, Bvh2, Clocks, Counter, Kept, StageTimes, Structure, Tests, Uncounted};
+use raywarp_kernels::traverse::{Kept, Structure, Tests, Uncounted};
 use raywarp_kernels::view::ViewMut;
 
-use crate::accel::{with_structure, Resident};
-use crate::backend::{Device, DeviceError};
+use crate::accel::{
+    Accel, Rendered, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentCompact, ResidentKd, ResidentOctants, TreeBox,
+};
+use crate::backend::{Device, DeviceError, Launchable};
+use crate::query::kernels::QueryKernels;
 
 /// One launch of a frame: everything but the structure.
 #[derive(Clone, Copy)]
-pub(super) struct Pass {
+pub struct Pass {
+    /// What is there.
     pub scene: surface::Scene,
+    /// Which pixels and samples.
     pub frame: Frame,
+    /// Bounces, shadows.
     pub limits: Limits,
+    /// Sums, read and written.
     pub film: ViewMut<Pixel>,
     /// Empty: nobody counts.
     pub tests: ViewMut<Tests>,
@@ -26,91 +32,81 @@ pub(super) struct Pass {
     pub ticks: ViewMut<u32>,
 }
 
-/// Adds the samples of a pass to the film; returns the seconds on the device.
-pub(super) fn shade(device: &Device, structure: &Resident, pass: &Pass) -> Result<f64, DeviceError> {
-    with_structure!(structure, structure, both => both.compact, match pass.tests.is_empty() {
-            true => run(device, pass, &whitted::<_, Uncounted>(structure, pass, ViewMut::EMPTY)),
-            false => run(device, pass, &whitted::<_, Tests>(structure, pass, pass.tests)),
+impl Pass {
+    /// Its kernel over a structure, with what is counted of each pixel.
+    pub fn whitted<S: Structure, C: Kept>(&self, structure: S, counts: ViewMut<C::Record>) -> Whitted<S, C> {
+        let Self { scene, frame, limits, film, ticks, .. } = *self;
+        Whitted { structure, scene, frame, limits, film, counts, ticks, counter: PhantomData }
+    }
+}
+
+/// A structure on a device, with the kernels of pictures too.
+pub(crate) trait FrameKernels: QueryKernels {
+    /// Adds the samples of a pass to the film.
+    fn frame(&self, pass: &Pass) -> Box<dyn Launchable>;
+
+    /// Fills a surfel for each pixel of a pass.
+    fn first_hits(&self, pass: &Pass, surfels: ViewMut<Surfel>) -> Box<dyn Launchable>;
+
+    /// Has the driver compile these kernels, so that no frame waits for it.
+    fn load(&self, device: &Device) -> Result<(), DeviceError>;
+
+    /// See [`Rendered::boxes`].
+    fn tree_boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError>;
+}
+
+impl<R: Rendered> FrameKernels for R {
+    fn frame(&self, pass: &Pass) -> Box<dyn Launchable> {
+        match pass.tests.is_empty() {
+            true => Box::new(pass.whitted::<_, Uncounted>(self.long(), ViewMut::EMPTY)),
+            false => Box::new(pass.whitted::<_, Tests>(self.long(), pass.tests)),
+        }
+    }
+
+    fn first_hits(&self, pass: &Pass, surfels: ViewMut<Surfel>) -> Box<dyn Launchable> {
+        Box::new(Surfels { structure: self.long(), scene: pass.scene, frame: pass.frame, surfels })
+    }
+
+    fn load(&self, device: &Device) -> Result<(), DeviceError> {
+        device.load::<Whitted<R::Long, Uncounted>>()?;
+        device.load::<Whitted<R::Long, Tests>>()?;
+        device.load::<Surfels<R::Long>>()
+    }
+
+    fn tree_boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
+        self.boxes(level)
+    }
+}
+
+/// Copies a structure to a device, which has kernels for it.
+pub(crate) fn upload(device: &Device, tree: &Accel) -> Result<Box<dyn FrameKernels>, DeviceError> {
+    Ok(match tree {
+        Accel::Brute(list) => Box::new(ResidentBrute::upload(device, list)?),
+        Accel::Kd(tree) => Box::new(ResidentKd::upload(device, tree)?),
+        Accel::Bvh2(tree) => Box::new(ResidentBvh2::upload(device, tree)?),
+        Accel::Bvh2c(tree) => Box::new(ResidentCompact::upload(device, tree)?),
+        Accel::Bvh(tree) => Box::new(ResidentOctants::upload(device, tree)?),
+        Accel::Bvh8f(tree) => Box::new(ResidentBvh8f::upload(device, tree)?),
     })
 }
 
-/// As [`shade`], and says how long each pixel's thread was in each stage. Nothing where the structure has no such kernel.
-pub(super) fn clock(
-    device: &Device,
-    structure: &Resident,
-    pass: &Pass,
-    times: ViewMut<StageTimes>,
-) -> Result<Option<f64>, DeviceError> {
-    let seconds = match structure {
-        Resident::Brute { triangles } => {
-            let structure = Brute { triangles: triangles.view() };
-            run(device, pass, &whitted::<_, Clocks>(structure, pass, times))
-        }
-        Resident::Kd(tree) => run(device, pass, &whitted::<_, Clocks>(tree.view(), pass, times)),
-        Resident::Bvh2 { nodes, triangles, reach } => {
-            let structure = Bvh2 { nodes: nodes.view(), triangles: triangles.view(), reach: *reach };
-            run(device, pass, &whitted::<_, Clocks>(structure, pass, times))
-        }
-        _ => return Ok(None),
-    };
-    seconds.map(Some)
+/// Adds the samples of a pass to the film; returns the seconds on the device.
+pub(super) fn shade(device: &Device, structure: &dyn FrameKernels, pass: &Pass) -> Result<f64, DeviceError> {
+    run(device, pass, &*structure.frame(pass))
 }
 
 /// Fills a surfel for each pixel of a pass.
 pub(super) fn surfels(
     device: &Device,
-    structure: &Resident,
+    structure: &dyn FrameKernels,
     pass: &Pass,
     surfels: ViewMut<Surfel>,
 ) -> Result<f64, DeviceError> {
-    let (scene, frame) = (pass.scene, pass.frame);
-    with_structure!(structure, structure, both => both.compact, run(device, pass, &Surfels { structure, scene, frame, surfels }))
+    run(device, pass, &*structure.first_hits(pass, surfels))
 }
 
-/// Has the driver compile what traces through a structure, so that no frame waits for it.
-pub(super) fn load(device: &Device, structure: &Resident) -> Result<(), DeviceError> {
-    with_structure!(structure, structure, both => both.compact, load_for(device, structure))
-}
-
-fn load_for<S: Structure>(device: &Device, _: S) -> Result<(), DeviceError>
-where
-    Whitted<S, Uncounted>: Kernel,
-    Whitted<S, Tests>: Kernel,
-    Surfels<S>: Kernel,
-{
-    device.load::<Whitted<S, Uncounted>>()?;
-    device.load::<Whitted<S, Tests>>()?;
-    device.load::<Surfels<S>>()
-}
-
-fn whitted<S: Structure, C: Kept>(structure: S, pass: &Pass, counts: ViewMut<C::Record>) -> Whitted<S, C> {
-    let Pass { scene, frame, limits, film, ticks, .. } = *pass;
-    Whitted { structure, scene, frame, limits, film, counts, ticks, counter: PhantomData }
-}
-
-/// Traces the rays through the centres of pixels, here and now; nothing but for a `bvh2` in the memory of this machine.
-pub(super) fn follow<C: Counter>(
-    device: &Device,
-    structure: &Resident,
-    pass: &Pass,
-    pixels: &[[u32; 2]],
-) -> Option<Vec<C>> {
-    let Resident::Bvh2 { nodes, triangles, reach } = structure else { return None };
-    if device.is_cuda() {
-        return None;
-    }
-    let structure = Bvh2 { nodes: nodes.view(), triangles: triangles.view(), reach: *reach };
-    let follow = |&[x, y]: &[u32; 2]| {
-        let (centre, mut counter) = (pixel_centre(x, y), C::default());
-        let ray = pass.frame.camera.ray(centre.x, centre.y);
-        trace(&structure, &pass.scene, &pass.limits, &ray, &mut counter);
-        counter
-    };
-    Some(pixels.iter().map(follow).collect())
-}
-
-fn run(device: &Device, pass: &Pass, kernel: &impl Kernel) -> Result<f64, DeviceError> {
+fn run(device: &Device, pass: &Pass, kernel: &dyn Launchable) -> Result<f64, DeviceError> {
     // SAFETY: the structure's views are of buffers borrowed for this call; those of the pass belong to the frame that
     // `Tracer` holds while it waits here. `Flat` checked the indices of the scene, the builders those of the trees.
-    unsafe { device.launch(kernel, pass.frame.extent) }
+    unsafe { kernel.launch(device, pass.frame.extent) }
 }

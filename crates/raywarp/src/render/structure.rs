@@ -1,20 +1,22 @@
 //! What finds the triangles along a ray, built and put on a device.
 
+use std::any::Any;
 use std::time::Instant;
 
 use raywarp_kernels::screen::{Develop, Paint, Ranges};
 
-use crate::accel::{cache, Accel, AccelKind, Build, Quality, Resident, TreeBox, TreeStats};
+use crate::accel::{cache, check_device, Accel, AccelKind, Build, Quality, Rendered, TreeBox, TreeStats};
 use crate::backend::Device;
 use crate::Triangle;
 
-use super::{passes, RenderError};
+use super::passes::{upload, FrameKernels};
+use super::RenderError;
 
 /// A structure on a device, for [`Tracer::replace`](super::Tracer::replace). It can be built beside a tracer at work.
 pub struct Structure {
-    pub(super) resident: Resident,
-    /// Which it is.
-    pub kind: AccelKind,
+    pub(super) resident: Box<dyn FrameKernels>,
+    /// Which it is; nothing for one of others.
+    pub kind: Option<AccelKind>,
     /// How good it was to be.
     pub quality: Quality,
     /// Size and quality.
@@ -33,9 +35,48 @@ impl Structure {
     /// # Errors
     /// [`RenderError`] where there are too many triangles for the structure or too little memory for it.
     pub fn build(device: &Device, what: impl Into<Build>, triangles: Vec<Triangle>) -> Result<Self, RenderError> {
-        let (tree, built) = Self::arrange(what.into(), triangles)?;
+        let (tree, built) = Self::arrange(device, what.into(), triangles)?;
         device.reserve(built.stats.bytes as u64, "the structure")?;
         built.upload(device, &tree)
+    }
+
+    /// Copies one that was built elsewhere to a device; `quality` is what is told of it.
+    ///
+    /// # Errors
+    /// The device has no room for it, or no kernels.
+    pub fn of(accel: &Accel, quality: Quality, device: &Device) -> Result<Self, RenderError> {
+        check_device(accel.kind(), device)?;
+        let what = Build { kind: accel.kind(), quality, cached: false };
+        let stats = accel.stats();
+        Built { what, stats, build_seconds: stats.build_seconds, warning: None }.upload(device, accel)
+    }
+
+    /// A structure of others that is on a device already.
+    ///
+    /// # Safety
+    /// It is on the device of the tracers that it is given to.
+    pub unsafe fn of_resident(resident: impl Rendered, quality: Quality, stats: TreeStats) -> Self {
+        Self {
+            resident: Box::new(resident),
+            kind: None,
+            quality,
+            stats,
+            build_seconds: stats.build_seconds,
+            upload_seconds: 0.0,
+            warning: None,
+        }
+    }
+
+    /// What kernels get it from, if it is of this type: for kernels that are launched by hand.
+    pub fn resident<R: Rendered>(&self) -> Option<&R> {
+        let resident: &dyn Any = &*self.resident;
+        resident.downcast_ref()
+    }
+
+    /// The same, to be changed.
+    pub(super) fn resident_mut<R: Rendered>(&mut self) -> Option<&mut R> {
+        let resident: &mut dyn Any = &mut *self.resident;
+        resident.downcast_mut()
     }
 
     /// Has the driver compile all kernels that trace through it, so that the first picture does not wait for them.
@@ -46,7 +87,7 @@ impl Structure {
         device.load::<Develop>()?;
         device.load::<Ranges>()?;
         device.load::<Paint>()?;
-        Ok(passes::load(device, &self.resident)?)
+        Ok(self.resident.load(device)?)
     }
 
     /// Its boxes down to a level, see [`Accel::boxes`]. All nodes are read back from the device, as they are now: it is
@@ -55,11 +96,16 @@ impl Structure {
     /// # Errors
     /// [`RenderError`] where the device fails.
     pub fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, RenderError> {
-        Ok(self.resident.boxes(level)?)
+        Ok(self.resident.tree_boxes(level)?)
     }
 
     /// The structure on this machine, and what there is to tell of it.
-    pub(super) fn arrange(what: Build, triangles: Vec<Triangle>) -> Result<(Accel, Built), RenderError> {
+    pub(super) fn arrange(
+        device: &Device,
+        what: Build,
+        triangles: Vec<Triangle>,
+    ) -> Result<(Accel, Built), RenderError> {
+        check_device(what.kind, device)?;
         let start = Instant::now();
         let built = cache::build(what, triangles)?;
         let stats = built.accel.stats();
@@ -80,8 +126,8 @@ impl Built {
     pub fn upload(self, device: &Device, tree: &Accel) -> Result<Structure, RenderError> {
         let start = Instant::now();
         Ok(Structure {
-            resident: Resident::upload(device, tree)?,
-            kind: self.what.kind,
+            resident: upload(device, tree)?,
+            kind: Some(self.what.kind),
             quality: self.what.quality,
             stats: self.stats,
             build_seconds: self.build_seconds,

@@ -155,7 +155,7 @@ fn nonsense(origin: Vec3, n: &mut Numbers) -> Ray {
 
 /// Every structure of the same triangles, brute force first, and the hierarchies of boxes in other qualities.
 pub fn every_structure(triangles: &[Triangle]) -> Vec<Accel> {
-    let better = [AccelKind::Bvh2, AccelKind::Bvh8, AccelKind::Bvh8f];
+    let better = [AccelKind::Bvh2, AccelKind::Bvh8f];
     let others = better.map(|kind| Build { kind, quality: Quality::High, cached: false });
     let fast = Build { kind: AccelKind::Bvh2, quality: Quality::Fast, cached: false };
     let kinds = AccelKind::ALL.map(Build::from).into_iter().chain(others).chain([fast]);
@@ -168,4 +168,9 @@ pub fn devices() -> Vec<Device> {
     let choices =
         [Some(DeviceChoice::Cpu), named.map(|name| name.parse().expect("RAYWARP_TEST_DEVICE names a device"))];
     choices.into_iter().flatten().map(|choice| Device::open(choice).expect("the device under test opens")).collect()
+}
+
+/// The structures that a device has kernels for.
+pub fn kinds_on(device: &Device) -> Vec<AccelKind> {
+    AccelKind::ALL.into_iter().filter(|&kind| !device.is_cuda() || kind != AccelKind::Bvh8f).collect()
 }

@@ -4,7 +4,7 @@ use raywarp::accel::AccelKind;
 use raywarp::query::RayCaster;
 use raywarp::{Hit, Ray, Triangle, Vec3};
 
-use crate::{device, reference, scaled, scene, triangles, Random};
+use crate::{device, kinds, reference, scaled, scene, triangles, Random};
 
 /// Rays of every sort: through the scene, axis-parallel, from surfaces, with limits, without a meaning.
 pub fn rays(triangles: &[Triangle], count: usize, random: &mut Random) -> Vec<Ray> {
@@ -52,7 +52,7 @@ fn check(name: &str, triangles: &[Triangle], count: usize) {
     let expected = oracle.hits(&rays).unwrap();
     assert!(expected.iter().filter(|hit| !hit.is_miss()).count() > count / 3, "{name}: the rays hit something");
     let occluded = oracle.any(&rays).unwrap();
-    for kind in AccelKind::ALL {
+    for kind in kinds() {
         let caster = RayCaster::new(triangles.to_vec(), kind, &device()).unwrap();
         let hits = caster.hits(&rays).unwrap();
         let differing = expected.iter().zip(&hits).filter(|(a, b)| bits(a) != bits(b)).count();
@@ -84,13 +84,22 @@ fn large_axis_aligned_triangles() {
 
 #[test]
 fn no_triangles_and_no_rays() {
-    for kind in AccelKind::ALL {
+    for kind in kinds() {
         let empty = RayCaster::new(Vec::new(), kind, &device()).unwrap();
         let ray = Ray::new(Vec3::ZERO, Vec3::new(0.0, 0.0, 1.0));
         assert!(empty.hits(&[ray]).unwrap()[0].is_miss(), "{kind}");
         assert_eq!(empty.any(&[ray]).unwrap(), [false], "{kind}");
         assert!(empty.hits(&[]).unwrap().is_empty(), "{kind}");
     }
+}
+
+/// A structure that a device has no kernels for is refused before it is built, with a sentence.
+#[test]
+fn a_structure_for_cpus_is_refused_on_a_gpu() {
+    let refused =
+        RayCaster::new(soup(&mut Random(1)), AccelKind::Bvh8f, &device()).err().map(|error| error.to_string());
+    assert_eq!(refused.is_some(), device().is_cuda(), "{refused:?}");
+    assert!(refused.is_none_or(|sentence| sentence.starts_with("the structure bvh8f is laid out for CPUs")));
 }
 
 /// The device and the CPU with the same structure take the same steps: every bit is the same, ties included.

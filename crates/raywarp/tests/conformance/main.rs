@@ -12,6 +12,7 @@ mod watertight;
 
 use std::path::PathBuf;
 
+use raywarp::accel::AccelKind;
 use raywarp::backend::{Device, DeviceChoice};
 use raywarp::scene::load::{builtin, load, LoadOptions};
 use raywarp::scene::Scene;
@@ -22,6 +23,11 @@ fn device() -> Device {
     let name = std::env::var("RAYWARP_TEST_DEVICE").unwrap_or_else(|_| "cpu".to_owned());
     let choice: DeviceChoice = name.parse().expect("RAYWARP_TEST_DEVICE names a device");
     Device::open(choice).expect("the device under test opens")
+}
+
+/// The structures that the device under test has kernels for.
+fn kinds() -> Vec<AccelKind> {
+    AccelKind::ALL.into_iter().filter(|&kind| !device().is_cuda() || kind != AccelKind::Bvh8f).collect()
 }
 
 /// How much to try: on a GPU that much, a tenth on a CPU, which takes longer and proves less.

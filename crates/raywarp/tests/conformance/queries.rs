@@ -7,7 +7,7 @@ use raywarp::query::{AllHits, Coherence, RayCaster};
 use raywarp::{Hit, Ray, Triangle, Vec3};
 
 use crate::hits::{rays, soup};
-use crate::{device, reference, scaled, scene, triangles, Random};
+use crate::{device, kinds, reference, scaled, scene, triangles, Random};
 
 /// The hits of ray `i`, to the bit.
 fn row(all: &AllHits, i: usize) -> Vec<[u32; 4]> {
@@ -32,7 +32,7 @@ fn check(name: &str, triangles: &[Triangle], count: usize) {
     let (all, counts) = (oracle.all(&rays).unwrap(), oracle.count(&rays).unwrap());
     let bounded = oracle.batch(&rays).max_hits(3).all().unwrap();
     assert!(all.hits.len() > rays.len() / 2, "{name}: the rays hit something");
-    for kind in AccelKind::ALL {
+    for kind in kinds() {
         let caster = RayCaster::new(triangles.to_vec(), kind, &device()).unwrap();
         assert_same(&caster.all(&rays).unwrap(), &all, &rays, &format!("{name}, {kind}"));
         assert!(caster.count(&rays).unwrap() == counts, "{name}, {kind}: counts");
@@ -82,7 +82,7 @@ fn odd_rays_are_the_same_everywhere() {
         let oracle = RayCaster::new(cornell.clone(), AccelKind::Brute, &reference()).unwrap();
         let (all, blocked) = (oracle.all(&rays).unwrap(), oracle.any(&rays).unwrap());
         assert!(all.hits.len() > rays.len() / 4);
-        for kind in AccelKind::ALL {
+        for kind in kinds() {
             let caster = RayCaster::new(cornell.clone(), kind, &device()).unwrap();
             assert_same(&caster.all(&rays).unwrap(), &all, &rays, &format!("{kind} at {scale:e}"));
             assert!(caster.any(&rays).unwrap() == blocked, "{kind} at {scale:e}: any hit");

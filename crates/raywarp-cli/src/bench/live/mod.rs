@@ -44,7 +44,7 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
             live.notes.push(Note::said(&subject.name, reason));
             continue;
         }
-        for build in builds(options) {
+        for build in builds(options)? {
             let mut stage = open(&subject, &device, build)?;
             live.measure(&subject, &mut stage, options)?;
         }
@@ -54,10 +54,10 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
 }
 
 /// Every structure with every quality of tree; no structure: the viewer's own choice.
-fn builds(options: &BenchOptions) -> Vec<RenderDefaults> {
+fn builds(options: &BenchOptions) -> anyhow::Result<Vec<RenderDefaults>> {
     let layouts: Vec<Option<AccelKind>> = match options.layout.is_empty() {
         true => vec![None],
-        false => options.layout.iter().copied().map(Some).collect(),
+        false => options.layout.iter().map(|name| Ok(Some(name.parse()?))).collect::<anyhow::Result<_>>()?,
     };
     let Look { max_depth, shadows, .. } = Look::default();
     let usual = RenderDefaults { max_depth: Some(max_depth), shadows: Some(shadows), ..RenderDefaults::default() };
@@ -66,7 +66,8 @@ fn builds(options: &BenchOptions) -> Vec<RenderDefaults> {
         true => options.tree.clone(),
         false => vec![Quality::default()],
     };
-    layouts.into_iter().flat_map(|accel| qualities(accel).into_iter().map(move |tree| build(accel, tree))).collect()
+    let builds = |accel| qualities(accel).into_iter().map(move |tree| build(accel, tree));
+    Ok(layouts.into_iter().flat_map(builds).collect())
 }
 
 /// The scene with its good tree.

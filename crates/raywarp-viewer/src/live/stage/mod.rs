@@ -240,7 +240,7 @@ impl Stage {
     }
 
     /// The files of the scene that is shown, missing ones included.
-    pub(crate) fn files(&self) -> &[PathBuf] {
+    pub fn files(&self) -> &[PathBuf] {
         self.ready().map(|ready| ready.files.as_slice()).unwrap_or_default()
     }
 

@@ -145,7 +145,7 @@ impl Stage {
         self.motion.shape += 1;
         self.motion.last = Some(Instant::now());
         let Some(ready) = &mut self.ready else { return Ok(()) };
-        if self.motion.stale || ready.tracer.structure().kind != AccelKind::Bvh2 {
+        if self.motion.stale || ready.tracer.structure().kind != Some(AccelKind::Bvh2) {
             if self.building.as_ref().is_none_or(|building| building.shape.is_some()) {
                 self.build(prepare::movable(), None);
             }
@@ -197,5 +197,5 @@ fn count(structure: &Structure) -> usize {
 /// The structure that there is.
 fn built(ready: &Ready) -> Build {
     let structure = ready.tracer.structure();
-    Build { kind: structure.kind, quality: structure.quality, ..Build::default() }
+    Build { kind: structure.kind.unwrap_or_default(), quality: structure.quality, ..Build::default() }
 }

@@ -193,7 +193,8 @@ impl Viewer {
             notice: self.notice.clone().or_else(|| stage.notice().filter(|_| self.read < stage.told()).cloned()),
             scene: stage.name(),
             device: stage.device().description(),
-            accel: built.map_or(String::new(), |built| format!("{}, {}", built.kind, built.quality)),
+            accel: built
+                .map_or(String::new(), |built| format!("{}, {}", built.kind.unwrap_or_default(), built.quality)),
             triangles: ready.map_or(0, |ready| ready.tracer.report().triangles as u64),
             size: self.size,
             settled: self.lacks == Lacks::Nothing,

@@ -13,7 +13,7 @@ use cudarc::driver::{sys, CudaContext, CudaFunction, CudaStream, DriverError, La
 use cudarc::nvrtc::Ptx;
 use raywarp_kernels::kernels::Kernel;
 
-use super::{DeviceError, DeviceInfo, KernelInfo};
+use super::{DeviceError, DeviceInfo, KernelInfo, Module};
 pub(super) use buffer::CudaBuffer;
 pub(super) use pinned::Pinned;
 pub(super) use ptx::info as ptx_info;
@@ -30,6 +30,8 @@ struct Shared {
     index: usize,
     stream: Arc<CudaStream>,
     context: Arc<CudaContext>,
+    /// Of others than this crate.
+    modules: &'static [Module],
     kernels: Mutex<HashMap<&'static str, CudaFunction>>,
 }
 
@@ -42,7 +44,7 @@ impl fmt::Debug for Cuda {
 impl Cuda {
     /// # Errors
     /// No driver, no such device, or one that is too old.
-    pub fn open(index: usize) -> Result<Self, DeviceError> {
+    pub fn open(index: usize, modules: &'static [Module]) -> Result<Self, DeviceError> {
         let count = device_count()?;
         if count == 0 {
             return Err(DeviceError::NoDevice);
@@ -61,13 +63,13 @@ impl Cuda {
         // SAFETY: this stream alone touches the buffers of this context while no such kernel runs.
         unsafe { context.disable_event_tracking() };
         let stream = context.new_stream().map_err(driver_error)?;
-        let shared = Shared { name, index, stream, context, kernels: Mutex::new(HashMap::new()) };
+        let shared = Shared { name, index, stream, context, modules, kernels: Mutex::new(HashMap::new()) };
         Ok(Self { shared: Arc::new(shared) })
     }
 
     /// The first device that opens and takes the kernels, or why the first one does not.
-    pub fn open_any() -> Result<Self, DeviceError> {
-        let usable = |index| Self::open(index).and_then(|gpu| gpu.function(SMALLEST_KERNEL).map(|_| gpu));
+    pub fn open_any(modules: &'static [Module]) -> Result<Self, DeviceError> {
+        let usable = |index| Self::open(index, modules).and_then(|gpu| gpu.function(SMALLEST_KERNEL).map(|_| gpu));
         let first = usable(0);
         if first.is_ok() {
             return first;
@@ -185,6 +187,12 @@ impl Cuda {
         ask().map_err(|error| self.failed(&format!("described the kernel {}", K::NAME), error))
     }
 
+    /// The PTX of a kernel, if there is any.
+    pub fn source(&self, name: &str) -> Option<&'static str> {
+        let mut modules = ptx::MODULES.iter().chain(self.shared.modules);
+        modules.find(|module| module.name == name).map(|module| module.source)
+    }
+
     /// Loads a kernel the first time that it is needed: the driver compiles PTX when it loads it, which takes a moment
     /// unless its own cache has it.
     pub fn function(&self, name: &'static str) -> Result<CudaFunction, DeviceError> {
@@ -198,7 +206,7 @@ impl Cuda {
             reason,
             isa: ptx::info().isa,
         };
-        let source = ptx::source(name).ok_or_else(|| refused("it is not among the kernels".to_owned()))?;
+        let source = self.source(name).ok_or_else(|| refused("it is not among the kernels".to_owned()))?;
         let module = self.context().load_module(Ptx::from_src(source)).map_err(|e| refused(explain(e)))?;
         let function = module.load_function(name).map_err(|e| refused(explain(e)))?;
         // Not locked meanwhile: others go on with the kernels that they have. If two load the same, the first one stays.
@@ -264,7 +272,7 @@ pub(super) fn device_info(index: usize) -> Result<DeviceInfo, DeviceError> {
         })
     };
     let mut info = ask().map_err(driver_error)?;
-    info.ptx = Cuda::open(index).and_then(|gpu| gpu.function(SMALLEST_KERNEL).map(drop));
+    info.ptx = Cuda::open(index, &[]).and_then(|gpu| gpu.function(SMALLEST_KERNEL).map(drop));
     Ok(info)
 }
 

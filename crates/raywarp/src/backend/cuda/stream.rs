@@ -7,7 +7,7 @@ use raywarp_kernels::kernels::Kernel;
 
 use super::{driver_error, Cuda, DeviceError};
 
-/// Threads of a block: columns and rows. A warp is then a tile of 8 x 4 pixels. Chosen by `docs/study`.
+/// Threads of a block: columns and rows. A warp is then a tile of 8 x 4 pixels. Chosen by `lab/docs/study`.
 const BLOCK: [u32; 2] = [8, 8];
 
 /// Threads of a block of a launch with a single row.

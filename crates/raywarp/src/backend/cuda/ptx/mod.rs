@@ -2,27 +2,23 @@
 //!
 //! `cargo xtask ptx` writes the files beside this one. A kernel without its file does not compile.
 
-use raywarp_kernels::kernels::NAMES;
+use crate::backend::{Module, PtxInfo};
 
-use crate::backend::PtxInfo;
-
-macro_rules! sources {
+macro_rules! modules {
     ($($name:ident: $kernel:ty),* $(,)?) => {
-        /// The PTX module of the kernel of this name.
-        pub(in crate::backend) fn source(name: &str) -> Option<&'static str> {
-            match name {
-                $(stringify!($name) => Some(include_str!(concat!(stringify!($name), ".ptx"))),)*
-                _ => None,
-            }
-        }
+        /// Every kernel of this crate.
+        pub(in crate::backend) const MODULES: &[Module] = &[$(Module {
+            name: stringify!($name),
+            source: include_str!(concat!(stringify!($name), ".ptx")),
+        }),*];
     };
 }
 
-raywarp_kernels::for_each_kernel!(sources);
+raywarp_kernels::for_each_kernel!(modules);
 
 /// What the head of a module says of all of them.
 pub(in crate::backend) fn info() -> PtxInfo {
-    let module = NAMES.first().and_then(|name| source(name)).unwrap_or_default();
+    let module = MODULES.first().map_or("", |module| module.source);
     let after = |start: &str| {
         let found = module.lines().take(5).find_map(|line| line.strip_prefix(start));
         found.unwrap_or("unknown").to_owned()
@@ -36,9 +32,8 @@ mod tests {
 
     #[test]
     fn every_module_holds_its_kernel_and_says_where_it_comes_from() {
-        for name in NAMES {
-            let module = source(name).unwrap();
-            assert!(module.contains(&format!(".visible .entry {name}(")), "{name}");
+        for Module { name, source } in MODULES {
+            assert!(source.contains(&format!(".visible .entry {name}(")), "{name}");
         }
         let info = info();
         assert_eq!(info.target, "sm_75");

@@ -1,0 +1,55 @@
+//! Kernels with their parameters, whichever they are.
+
+use raywarp_kernels::kernels::Kernel;
+
+use super::{Device, DeviceError, KernelInfo, Launch, Stream};
+
+/// What can be done with a kernel whose type is not known where it is done: structures give such.
+pub(crate) trait Launchable {
+    /// See [`Device::launch`].
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn launch(&self, device: &Device, extent: [u32; 2]) -> Result<f64, DeviceError>;
+
+    /// See [`Stream::launch`].
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn launch_on(&self, stream: &Stream, extent: [u32; 2]) -> Result<Launch, DeviceError>;
+
+    /// See [`Device::time`].
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn time(&self, device: &Device, extent: [u32; 2], times: [u32; 2]) -> Result<Vec<f64>, DeviceError>;
+
+    /// See [`Device::kernel_info`].
+    fn info(&self, device: &Device, extent: [u32; 2]) -> Result<Option<KernelInfo>, DeviceError>;
+}
+
+impl<K: Kernel> Launchable for K {
+    unsafe fn launch(&self, device: &Device, extent: [u32; 2]) -> Result<f64, DeviceError> {
+        // SAFETY: the caller's promise.
+        unsafe { device.launch(self, extent) }
+    }
+
+    unsafe fn launch_on(&self, stream: &Stream, extent: [u32; 2]) -> Result<Launch, DeviceError> {
+        // SAFETY: the caller's promise.
+        unsafe { stream.launch(self, extent) }
+    }
+
+    unsafe fn time(
+        &self,
+        device: &Device,
+        extent: [u32; 2],
+        [warmup, repeats]: [u32; 2],
+    ) -> Result<Vec<f64>, DeviceError> {
+        // SAFETY: the caller's promise.
+        unsafe { device.time(self, extent, warmup, repeats) }
+    }
+
+    fn info(&self, device: &Device, extent: [u32; 2]) -> Result<Option<KernelInfo>, DeviceError> {
+        device.kernel_info(self, extent)
+    }
+}

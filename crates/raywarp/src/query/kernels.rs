@@ -1,0 +1,66 @@
+//! The kernels of queries, over a structure whose type is not known where they are launched.
+
+use std::any::Any;
+
+use raywarp_kernels::kernels::{All, Closest, Count, Occluded};
+use raywarp_kernels::traverse::Compact;
+use raywarp_kernels::view::{View, ViewMut};
+
+use crate::accel::Resident;
+use crate::backend::Launchable;
+use crate::{Hit, Ray};
+
+/// A structure on a device, with a kernel for each question. What is dynamic ends where a kernel is launched: each is compiled
+/// for its structure.
+pub(crate) trait QueryKernels: Any + Send + Sync {
+    /// See [`Closest`].
+    fn closest(&self, rays: View<Ray>, hits: ViewMut<Hit>) -> Box<dyn Launchable>;
+
+    /// See [`Occluded`].
+    fn occluded(&self, rays: View<Ray>, occluded: ViewMut<u32>) -> Box<dyn Launchable>;
+
+    /// See [`Count`].
+    fn count(&self, rays: View<Ray>, limit: u32, counts: ViewMut<u32>) -> Box<dyn Launchable>;
+
+    /// See [`All`], whose hits go where `offsets` says.
+    fn all(
+        &self,
+        rays: View<Ray>,
+        offsets: View<u32>,
+        limit: u32,
+        counts: ViewMut<u32>,
+        hits: ViewMut<Hit>,
+    ) -> Box<dyn Launchable>;
+
+    /// See [`Resident::pooled`].
+    fn compact(&self) -> Option<Compact>;
+}
+
+impl<R: Resident> QueryKernels for R {
+    fn closest(&self, rays: View<Ray>, hits: ViewMut<Hit>) -> Box<dyn Launchable> {
+        Box::new(Closest { structure: self.short(), rays, hits })
+    }
+
+    fn occluded(&self, rays: View<Ray>, occluded: ViewMut<u32>) -> Box<dyn Launchable> {
+        Box::new(Occluded { structure: self.short(), rays, occluded })
+    }
+
+    fn count(&self, rays: View<Ray>, limit: u32, counts: ViewMut<u32>) -> Box<dyn Launchable> {
+        Box::new(Count { structure: self.long(), rays, limit, counts })
+    }
+
+    fn all(
+        &self,
+        rays: View<Ray>,
+        offsets: View<u32>,
+        limit: u32,
+        counts: ViewMut<u32>,
+        hits: ViewMut<Hit>,
+    ) -> Box<dyn Launchable> {
+        Box::new(All { structure: self.long(), rays, offsets, limit, counts, hits })
+    }
+
+    fn compact(&self) -> Option<Compact> {
+        self.pooled()
+    }
+}

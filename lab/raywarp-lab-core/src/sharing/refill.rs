@@ -1,0 +1,82 @@
+//! Lanes that are done get new rays (after Aila and Laine 2009).
+
+use core::marker::PhantomData;
+
+use super::form::Form;
+use super::search::Search;
+use raywarp_kernels::arch::{self, WARP};
+use raywarp_kernels::kernels::Thread;
+use raywarp_kernels::queue::Queue;
+use raywarp_kernels::ray::{Ray, MISS};
+use raywarp_kernels::traverse::bvh2::{Bvh2, MAX_DEPTH};
+use raywarp_kernels::traverse::question::Question;
+use raywarp_kernels::traverse::Uncounted;
+use raywarp_kernels::view::{View, ViewMut};
+
+/// A warp asks for rays where fewer of 32 threads have one.
+const LEAST: u32 = 20;
+
+/// Answers a batch by as many threads as fit on the device at once, from one queue.
+#[repr(C)]
+pub struct Refill<F, Q: Question> {
+    /// Where to find hits.
+    pub tree: Bvh2,
+    /// The batch.
+    pub rays: View<Ray>,
+    /// One a ray, written.
+    pub answers: ViewMut<Q::Answer>,
+    /// Rays taken, and behind it the warps that are done; zero before and after.
+    pub taken: ViewMut<u32>,
+    /// Warps of the launch.
+    pub warps: u32,
+    /// In what order the threads of a warp take steps.
+    pub form: PhantomData<F>,
+}
+
+impl<F: Form, Q: Question> Refill<F, Q> {
+    #[inline(always)]
+    pub(crate) fn run(&self, _: Thread) {
+        let mut room = [const { core::mem::MaybeUninit::uninit() }; MAX_DEPTH + 1];
+        let mut search = Search::<Q>::idle(&self.tree, &mut room);
+        let queue = Queue::new(&self.taken, self.rays.len());
+        let (mut index, mut left) = (MISS, true);
+        // SAFETY: no thread leaves these loops before all of its warp do.
+        let vote = |value: bool| unsafe { arch::ballot(u32::MAX, value) };
+        loop {
+            let wanting = vote(index == MISS);
+            if left && wanting != 0 {
+                let mine;
+                (mine, left) = queue.take(wanting);
+                if index == MISS && mine < self.rays.len() {
+                    index = mine;
+                    search.begin(&self.rays.load(index));
+                }
+            }
+            loop {
+                if index != MISS {
+                    F::turn(&mut search, &mut Uncounted);
+                    if search.is_over() {
+                        // SAFETY: every ray is taken once.
+                        unsafe { self.answers.set(index, search.answer()) };
+                        index = MISS;
+                    }
+                }
+                let busy = vote(index != MISS).count_ones();
+                if busy == 0 || (left && busy * 32 < LEAST * WARP) {
+                    break;
+                }
+            }
+            if !left && vote(index != MISS) == 0 {
+                break;
+            }
+        }
+        queue.leave(self.warps);
+    }
+}
+
+impl<F, Q: Question> Clone for Refill<F, Q> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<F, Q: Question> Copy for Refill<F, Q> {}

@@ -1,0 +1,131 @@
+//! One ray on its way through a tree, which can be put aside after any step.
+
+use raywarp_kernels::ray::Ray;
+use raywarp_kernels::traverse::binary::{step, step_back, Aside, Boxes, Room, LEAVES};
+use raywarp_kernels::traverse::bvh2::{Bvh2, Child, Full, ANY};
+use raywarp_kernels::traverse::question::Question;
+use raywarp_kernels::traverse::Counter;
+use raywarp_kernels::triangle::Across;
+
+/// No link: the bottom of the stack, or no leaf in hand.
+const NONE: u32 = Aside::END;
+
+/// A ray's search.
+pub struct Search<'a, Q: Question> {
+    tree: Bvh2,
+    boxes: Full<ANY>,
+    across: Across,
+    question: Q,
+    links: Aside<'a>,
+    t_min: f32,
+    t_far: f32,
+    /// Where to go next: a node, a leaf, or nowhere.
+    next: u32,
+    /// A leaf in hand that was put off, or none.
+    held: u32,
+}
+
+impl<'a, Q: Question> Search<'a, Q> {
+    /// Without a ray: it is over.
+    #[inline(always)]
+    pub fn idle(tree: &Bvh2, room: &'a mut Room) -> Self {
+        let ray = Ray::new(raywarp_kernels::math::Vec3::ZERO, raywarp_kernels::math::Vec3::ZERO);
+        Self {
+            tree: *tree,
+            boxes: Full::new(tree, &ray),
+            across: Across::new(&ray),
+            question: Q::about(&ray),
+            links: Aside::new(room),
+            t_min: 0.0,
+            t_far: 0.0,
+            next: NONE,
+            held: NONE,
+        }
+    }
+
+    /// Begins a ray at the root.
+    #[inline(always)]
+    pub fn begin(&mut self, ray: &Ray) {
+        let ray = ray.within_range();
+        self.boxes = Full::new(&self.tree, &ray);
+        self.across = Across::new(&ray);
+        self.question = Q::about(&ray);
+        self.links.clear();
+        (self.t_min, self.t_far) = (ray.t_min, ray.t_max);
+        (self.next, self.held) = (0, NONE);
+    }
+
+    /// Whether nothing is left to visit.
+    #[inline(always)]
+    pub fn is_over(&self) -> bool {
+        self.next == NONE && self.held == NONE
+    }
+
+    /// Whether the next step is to a node.
+    #[inline(always)]
+    pub fn is_at_node(&self) -> bool {
+        self.next < LEAVES
+    }
+
+    /// Whether the next step is to a leaf.
+    #[inline(always)]
+    pub fn is_at_leaf(&self) -> bool {
+        self.next >= LEAVES && self.next != NONE
+    }
+
+    /// Whether a leaf was put off.
+    #[inline(always)]
+    pub fn holds_leaf(&self) -> bool {
+        self.held != NONE
+    }
+
+    /// The answer so far; that of the ray once the search is over.
+    #[inline(always)]
+    pub fn answer(&self) -> Q::Answer {
+        self.question.answer()
+    }
+
+    /// Visits the node that is next.
+    #[inline(always)]
+    pub fn visit(&mut self, counter: &mut impl Counter) {
+        counter.node();
+        let [a, b] = self.boxes.children(self.next, self.t_min, self.t_far);
+        self.next = step::<Q>(&mut self.links, a, b);
+    }
+
+    /// Puts the leaf that is next off, and goes on with what comes after it.
+    #[inline(always)]
+    pub fn hold(&mut self) {
+        self.held = self.next;
+        // SAFETY: a leaf is not the bottom of the stack, which so was not popped.
+        self.next = unsafe { step_back::<Q>(&mut self.links) };
+    }
+
+    /// Tests all triangles of the leaf that is next.
+    #[inline(always)]
+    pub fn test_next(&mut self, counter: &mut impl Counter) {
+        self.hold();
+        self.test_held(counter);
+    }
+
+    /// Tests all triangles of the leaf in hand.
+    #[inline(always)]
+    pub fn test_held(&mut self, counter: &mut impl Counter) {
+        while self.held != NONE {
+            self.test_one(counter);
+        }
+    }
+
+    /// Tests the first triangle of the leaf in hand, and takes it from there.
+    #[inline(always)]
+    pub fn test_one(&mut self, counter: &mut impl Counter) {
+        counter.triangle();
+        let leaf = Child::of_bits(self.held);
+        let triangle = self.tree.triangles.load(leaf.index());
+        self.held = if leaf.count() > 1 { Child::leaf(leaf.index() + 1, leaf.count() - 1).bits() } else { NONE };
+        self.t_far = self.question.visit(&self.across, &triangle);
+        if self.t_far < self.t_min {
+            (self.next, self.held) = (NONE, NONE);
+        }
+    }
+}
