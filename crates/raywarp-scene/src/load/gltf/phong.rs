@@ -136,10 +136,8 @@ mod tests {
         let metal = |base, tint| material(Surface { base, tint, metallic: 1.0, roughness: 0.3, ..PLASTIC });
         let (painted, solid) = (metal([1.0; 3], gold), metal(gold, [1.0; 3]));
         assert!(painted.metallic && solid.metallic);
-        for c in 0..3 {
-            assert_eq!(painted.specular[c] * gold[c], solid.specular[c]);
-            assert_eq!(painted.reflection[c] * gold[c], solid.reflection[c]);
-        }
+        let tinted = |color: [f32; 3]| std::array::from_fn(|c| color[c] * gold[c]);
+        assert_eq!((tinted(painted.specular), tinted(painted.reflection)), (solid.specular, solid.reflection));
         let half = material(Surface { base: [1.0; 3], tint: gold, metallic: 0.5, ..PLASTIC });
         assert!(!half.metallic && half.specular[0] > half.specular[2], "of half a metal the mean counts");
     }
