@@ -99,12 +99,12 @@ pub(crate) const TINY: f32 = f32::MIN_POSITIVE;
 /// Sums of edge functions from here on are no longer sure to have a normal inverse.
 const LARGE: f32 = f32::from_bits((127 + 125) << 23);
 
-/// How far [`Triangle::if_hit`] may move a distance that cancellation has spoilt, in units of the range of distances that
-/// the triangle spans: mixing the distances of its corners is off by up to 4, and by more where the ray grazes the plane.
-const SOLVED_AGAIN: f32 = 60.0 / 16_777_216.0;
-
 /// Where the farthest corner is this much farther than the hit, the distances of the corners cancel in the mix.
 const CANCELLED: f32 = 1.25;
+
+/// How far [`plane_distance`] moves a hit at most, in units of the range of distances that the triangle spans: their mix is
+/// off by up to 4, and by more where the ray grazes the plane.
+const SOLVED_AGAIN: f32 = 60.0 / 16_777_216.0;
 
 /// What a box leaves around a triangle, in units of its extent: 4 roundings of the mixed distance, and what
 /// [`SOLVED_AGAIN`] adds.
@@ -180,36 +180,9 @@ impl Triangle {
         let mut t = arch::fma(u, a, arch::fma(v, b, w * c));
         if arch::max(arch::max(a.abs(), b.abs()), c.abs()) > CANCELLED * t.abs() {
             let range = arch::max(arch::max(a, b), c) - arch::min(arch::min(a, b), c);
-            t = self.solved_again(*across, t, SOLVED_AGAIN * range);
+            t = plane_distance(across, [p, q, r], t, range);
         }
         then(Hit { t, u: v, v: w, primitive: self.primitive });
-    }
-
-    /// The distance to the plane of a triangle that the ray meets close by and that reaches far: there `mixed`, the mix of
-    /// the corners' distances, has the error of the farthest corner. The plane's equation in double precision has not.
-    ///
-    /// No distance is moved by more than `reach`, [`SOLVED_AGAIN`] of the corners' range, so it stays in every box that holds the triangle.
-    ///
-    /// By value, and not inlined on a GPU: its registers are none of the loop's, nor is anything of the loop in memory for it.
-    #[cold]
-    #[cfg_attr(target_arch = "nvptx64", inline(never))]
-    #[cfg_attr(not(target_arch = "nvptx64"), inline(always))]
-    fn solved_again(self, across: Across, mixed: f32, reach: f32) -> f32 {
-        let [p, q, r, origin] = [self.v0, self.v1, self.v2, across.origin].map(Double::from);
-        let normal = q.minus(p).cross(r.minus(p));
-        let inverse = across.along.x + across.along.y + across.along.z;
-        let slope = normal.dot(across.direction().into()) as f32;
-        // A division, not an inverse: this must be right where the slope is tiny, on every machine.
-        let solved = normal.dot(p.minus(origin)) as f32 / slope * inverse;
-        if (solved - mixed).abs() <= reach {
-            solved
-        } else if solved > mixed {
-            mixed + reach
-        } else if solved < mixed {
-            mixed - reach
-        } else {
-            mixed
-        }
     }
 
     /// Möller and Trumbore's own form, as in the paper: Cramer's rule on `s = t(-d) + u e1 + v e2`.
@@ -228,32 +201,38 @@ impl Triangle {
     }
 }
 
-/// A vector in double precision.
-#[derive(Clone, Copy)]
-struct Double([f64; 3]);
-
-impl From<Vec3> for Double {
-    #[inline(always)]
-    fn from(v: Vec3) -> Self {
-        Self([v.x.into(), v.y.into(), v.z.into()])
+/// The distance to the plane of a triangle of which the ray meets a point close by and the corners are far: there a mix of
+/// their distances has the error of the farthest. The plane's equation has not where the plane is along two axes, as floors
+/// and walls are, for then all but one component of its normal is exactly zero; elsewhere it is about as good as Möller and
+/// Trumbore's. `mixed` where the ray is in the plane, or all but.
+///
+/// From nothing but what the loop over triangles has at hand: a value more would cost every ray a register. And moved by no
+/// more than [`SOLVED_AGAIN`] of `range`, what the corners' distances span, so the hit stays in every box that holds the
+/// triangle.
+#[cold]
+#[inline(always)]
+fn plane_distance(across: &Across, [p, q, r]: [Vec3; 3], mixed: f32, range: f32) -> f32 {
+    let (a, b) = (q - p, r - p);
+    let product = |ax, ay, bx, by| exact_edge(Flat { x: ax, y: ay }, Flat { x: bx, y: by });
+    let normal = vec3(product(a.y, a.z, b.y, b.z), product(a.z, a.x, b.z, b.x), product(a.x, a.y, b.x, b.y));
+    let (distance, slope) = (normal.dot(p), normal.dot(across.direction()));
+    if !(TINY..LARGE).contains(&slope.abs()) {
+        return mixed;
     }
-}
-
-impl Double {
-    #[inline(always)]
-    fn minus(self, Self([x, y, z]): Self) -> Self {
-        Self([self.0[0] - x, self.0[1] - y, self.0[2] - z])
-    }
-
-    #[inline(always)]
-    fn cross(self, Self(b): Self) -> Self {
-        let a = self.0;
-        Self([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
-    }
-
-    #[inline(always)]
-    fn dot(self, Self([x, y, z]): Self) -> f64 {
-        self.0[0] * x + self.0[1] * y + self.0[2] * z
+    let inverse = arch::reciprocal(slope);
+    let quotient = distance * inverse;
+    let quotient = arch::fma(arch::fma(-quotient, slope, distance), inverse, quotient);
+    let solved = quotient * (across.along.x + across.along.y + across.along.z);
+    let reach = SOLVED_AGAIN * range;
+    // Not `max`, which would take NaN for a number.
+    if (solved - mixed).abs() <= reach {
+        solved
+    } else if solved > mixed {
+        mixed + reach
+    } else if solved < mixed {
+        mixed - reach
+    } else {
+        mixed
     }
 }
 
