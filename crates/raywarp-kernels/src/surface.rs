@@ -100,38 +100,9 @@ impl Corners {
     }
 }
 
-/// Roundings that a hit point and the next test of its triangle take, in units of 2^-24: this many keep a ray that leaves
-/// the point off the triangle.
+/// The rounding error of an interpolated point is a few units of 2^-24 of the largest coordinate of the triangle; this
+/// many keep a ray that leaves the point off the triangle.
 const OFFSET: f32 = 32.0 / 16_777_216.0;
-
-/// Largest coordinates of a triangle's corners, axis by axis.
-#[derive(Clone, Copy)]
-struct Reach(Vec3);
-
-impl Reach {
-    #[inline(always)]
-    fn of([a, b, c]: [Vec3; 3]) -> Self {
-        let largest = |a: f32, b: f32, c: f32| arch::max(arch::max(a.abs(), b.abs()), c.abs());
-        Self(vec3(largest(a.x, b.x, c.x), largest(a.y, b.y, c.y), largest(a.z, b.z, c.z)))
-    }
-
-    /// How far a ray must start off the triangle along its unit `normal`: the error of a hit point in that direction.
-    ///
-    /// Pharr, Jakob and Humphreys' bound (pbrt, 6.8): coordinates are off by their own roundings, and those count that the
-    /// normal has a share in: a floor at height 0 adds nothing, however large. What is left there is the height of the
-    /// ray's origin above it, `height`.
-    #[inline(always)]
-    fn offset(&self, normal: Vec3, height: f32) -> f32 {
-        let share = arch::fma(normal.x.abs(), self.0.x, arch::fma(normal.y.abs(), self.0.y, normal.z.abs() * self.0.z));
-        OFFSET * (share + arch::min(height, self.0.max_abs()))
-    }
-
-    /// Whether the point at `t` of a ray has smaller roundings than the mix of the corners.
-    #[inline(always)]
-    fn exceeds(&self, ray: &Ray, t: f32) -> bool {
-        self.0.max_abs() > 4.0 * arch::max(ray.origin.max_abs(), t * ray.direction.max_abs())
-    }
-}
 
 /// Unit normal of a triangle, on the side from which its vertices run counter-clockwise.
 #[inline(always)]
@@ -196,14 +167,13 @@ impl Scene {
         if material.normal_map != NO_TEXTURE {
             normal = self.bend(&corners, normal, uv, material);
         }
-        let reach = Reach::of([p0, p1, p2]);
-        let point = if reach.exceeds(ray, hit.t) { ray.at(hit.t) } else { corners.mix(&self.positions) };
+        let offset = OFFSET * arch::max(p0.max_abs(), arch::max(p1.max_abs(), p2.max_abs()));
         Surface {
-            point,
+            point: corners.mix(&self.positions),
             geometric: outward * side,
             normal: normal * side,
             outside,
-            offset: reach.offset(outward, hit.t * outward.dot(ray.direction).abs()),
+            offset,
             uv,
             tint,
             coverage,

@@ -61,12 +61,6 @@ impl Across {
 }
 
 impl Across {
-    /// The ray's direction over its largest component. Exact: all factors but one of each product are 0 or 1.
-    #[inline(always)]
-    fn direction(&self) -> Vec3 {
-        self.x.cross(self.y)
-    }
-
     /// Of a point relative to the ray's origin.
     #[inline(always)]
     pub(crate) fn flatten(&self, point: Vec3) -> Flat {
@@ -99,16 +93,8 @@ pub(crate) const TINY: f32 = f32::MIN_POSITIVE;
 /// Sums of edge functions from here on are no longer sure to have a normal inverse.
 const LARGE: f32 = f32::from_bits((127 + 125) << 23);
 
-/// Where the farthest corner is this much farther than the hit, the distances of the corners cancel in the mix.
-const CANCELLED: f32 = 1.25;
-
-/// How far [`plane_distance`] moves a hit at most, in units of the range of distances that the triangle spans: their mix is
-/// off by up to 4, and by more where the ray grazes the plane.
-const SOLVED_AGAIN: f32 = 60.0 / 16_777_216.0;
-
-/// What a box leaves around a triangle, in units of its extent: 4 roundings of the mixed distance, and what
-/// [`SOLVED_AGAIN`] adds.
-pub const MARGIN: f32 = 4.0 / 16_777_216.0 + SOLVED_AGAIN;
+/// What a box leaves around a triangle, in units of its extent.
+pub const MARGIN: f32 = 4.0 / 16_777_216.0;
 
 /// A box with the margin for a triangle of some extent, all or part of which is in it.
 #[inline(always)]
@@ -130,7 +116,7 @@ impl Triangle {
     /// the triangle.
     ///
     /// That is a little more than its corners: the test rounds them, by up to 2^-23 of the triangle's extent across the
-    /// ray, and by up to [`MARGIN`] of it along the ray. And it makes every box contain its faces beyond doubt, so that a ray which runs in one enters it.
+    /// ray. And it makes every box contain its faces beyond doubt, so that a ray which runs in one enters it.
     #[inline(always)]
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let (low, high) = (self.v0.min(self.v1).min(self.v2), self.v0.max(self.v1).max(self.v2));
@@ -176,12 +162,8 @@ impl Triangle {
         }
         // Weights first: they are at most 1, whatever the units.
         let (u, v, w) = (u * inverse, v * inverse, w * inverse);
-        let [a, b, c] = [p, q, r].map(|corner| corner.dot(across.along));
-        let mut t = arch::fma(u, a, arch::fma(v, b, w * c));
-        if arch::max(arch::max(a.abs(), b.abs()), c.abs()) > CANCELLED * t.abs() {
-            let range = arch::max(arch::max(a, b), c) - arch::min(arch::min(a, b), c);
-            t = plane_distance(across, [p, q, r], t, range);
-        }
+        let along = |v: Vec3| v.dot(across.along);
+        let t = arch::fma(u, along(p), arch::fma(v, along(q), w * along(r)));
         then(Hit { t, u: v, v: w, primitive: self.primitive });
     }
 
@@ -198,41 +180,6 @@ impl Triangle {
         let (u, v) = (s.dot(p) * inverse, d.dot(q) * inverse);
         let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
         inside.then(|| Hit { t: e2.dot(q) * inverse, u, v, primitive: self.primitive })
-    }
-}
-
-/// The distance to the plane of a triangle of which the ray meets a point close by and the corners are far: there a mix of
-/// their distances has the error of the farthest. The plane's equation has not where the plane is along two axes, as floors
-/// and walls are, for then all but one component of its normal is exactly zero; elsewhere it is about as good as Möller and
-/// Trumbore's. `mixed` where the ray is in the plane, or all but.
-///
-/// From nothing but what the loop over triangles has at hand: a value more would cost every ray a register. And moved by no
-/// more than [`SOLVED_AGAIN`] of `range`, what the corners' distances span, so the hit stays in every box that holds the
-/// triangle.
-#[cold]
-#[inline(always)]
-fn plane_distance(across: &Across, [p, q, r]: [Vec3; 3], mixed: f32, range: f32) -> f32 {
-    let (a, b) = (q - p, r - p);
-    let product = |ax, ay, bx, by| exact_edge(Flat { x: ax, y: ay }, Flat { x: bx, y: by });
-    let normal = vec3(product(a.y, a.z, b.y, b.z), product(a.z, a.x, b.z, b.x), product(a.x, a.y, b.x, b.y));
-    let (distance, slope) = (normal.dot(p), normal.dot(across.direction()));
-    if !(TINY..LARGE).contains(&slope.abs()) {
-        return mixed;
-    }
-    let inverse = arch::reciprocal(slope);
-    let quotient = distance * inverse;
-    let quotient = arch::fma(arch::fma(-quotient, slope, distance), inverse, quotient);
-    let solved = quotient * (across.along.x + across.along.y + across.along.z);
-    let reach = SOLVED_AGAIN * range;
-    // Not `max`, which would take NaN for a number.
-    if (solved - mixed).abs() <= reach {
-        solved
-    } else if solved > mixed {
-        mixed + reach
-    } else if solved < mixed {
-        mixed - reach
-    } else {
-        mixed
     }
 }
 

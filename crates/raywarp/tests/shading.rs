@@ -506,3 +506,18 @@ fn what_tints_a_metal_tints_its_mirror_and_its_highlight() {
     assert_eq!(show(metal.clone(), Some(gold)), show(solid.clone(), None));
     assert_eq!(show(Material { metallic: false, ..metal.clone() }, Some(gold)), show(metal, None));
 }
+
+#[test]
+fn glass_at_the_limit_of_depth_shows_the_surroundings_and_not_black() {
+    let glass = Material { transmission: [1.0; 3], ior: 1.5, fresnel: true, ..black() };
+    let mut panes = scene(vec![square(0.0, 1.0, 0), square(-0.1, 1.0, 0)], vec![glass], vec![]);
+    panes.background = Some(Background::constant([0.5; 3]));
+    for depth in 0..4 {
+        assert_close(seen(&panes, &camera_above(1.0, [0.0; 3]), depth), 0.5);
+    }
+    // Where no background is as bright, the ambient light.
+    panes.background = Some(Background::constant([0.0; 3]));
+    panes.ambient = Some([0.25; 3]);
+    panes.materials[0].ambient = [0.0; 3];
+    assert_close(seen(&panes, &camera_above(1.0, [0.0; 3]), 0), 0.25);
+}
