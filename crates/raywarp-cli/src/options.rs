@@ -121,7 +121,7 @@ pub enum Command {
 #[derive(Debug, Parser)]
 #[command(after_help = RENDER_EXAMPLES)]
 pub struct RenderOptions {
-    /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    /// Scene file: .obj, .ply, .stl, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
     pub scene: Option<PathBuf>,
 
     /// Picture file, .png (sRGB) or .exr (linear), or - for PNG to standard output; may be repeated; none: raywarp.png
@@ -197,7 +197,7 @@ pub enum StatsForm {
 #[derive(Debug, Args)]
 #[command(after_help = VIEW_EXAMPLES)]
 pub struct ViewOptions {
-    /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    /// Scene file: .obj, .ply, .stl, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
     pub scene: Option<PathBuf>,
     /// Read the scene again when its file changes
     #[arg(long)]
@@ -251,7 +251,7 @@ impl LiveOptions {
 #[derive(Debug, Args)]
 #[command(after_help = QUERY_EXAMPLES)]
 pub struct QueryOptions {
-    /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    /// Scene file: .obj, .ply, .stl, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
     pub scene: Option<PathBuf>,
 
     /// Rays: a .npy or CSV file, or - for standard input
@@ -288,7 +288,7 @@ pub struct QueryOptions {
 #[derive(Debug, Args)]
 #[command(after_help = SERVE_EXAMPLES)]
 pub struct ServeOptions {
-    /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    /// Scene file: .obj, .ply, .stl, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
     pub scene: Option<PathBuf>,
 
     /// Port; 0 takes any that is free
