@@ -122,7 +122,7 @@ pub enum Command {
 #[derive(Debug, Parser)]
 #[command(after_help = RENDER_EXAMPLES)]
 pub struct RenderOptions {
-    /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    /// Scene file: .obj, .ply, .stl, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
     #[arg(value_hint = ValueHint::FilePath)]
     pub scene: Option<PathBuf>,
 
@@ -202,7 +202,7 @@ pub enum StatsForm {
 #[derive(Debug, Args)]
 #[command(after_help = VIEW_EXAMPLES)]
 pub struct ViewOptions {
-    /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    /// Scene file: .obj, .ply, .stl, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
     #[arg(value_hint = ValueHint::FilePath)]
     pub scene: Option<PathBuf>,
     /// Read the scene again when its file changes
@@ -264,7 +264,7 @@ impl LiveOptions {
 #[derive(Debug, Args)]
 #[command(after_help = QUERY_EXAMPLES)]
 pub struct QueryOptions {
-    /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    /// Scene file: .obj, .ply, .stl, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
     #[arg(value_hint = ValueHint::FilePath)]
     pub scene: Option<PathBuf>,
 
@@ -306,7 +306,7 @@ pub struct QueryOptions {
 #[derive(Debug, Args)]
 #[command(after_help = SERVE_EXAMPLES)]
 pub struct ServeOptions {
-    /// Scene file: .obj, .ply, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
+    /// Scene file: .obj, .ply, .stl, .gltf, .glb, or .toml (see docs/scene-file.md); none: the built-in scene
     #[arg(value_hint = ValueHint::FilePath)]
     pub scene: Option<PathBuf>,
 

@@ -164,7 +164,7 @@ fn what_is_no_file_is_no_scene() {
     std::fs::create_dir(place.path("directory.obj")).unwrap();
     place.render(&["directory.obj"]).fails(2, "directory.obj: a directory as a scene is not supported");
     place.render(&["missing.ply"]).fails(2, "cannot read missing.ply: No such file or directory");
-    place.render(&["scene.xyz"]).fails(2, "Give a file that ends in .obj, .ply, .gltf, .glb, .toml.");
+    place.render(&["scene.xyz"]).fails(2, "Give a file that ends in .obj, .ply, .stl, .gltf, .glb, .toml.");
     place.render(&["scene"]).fails(2, "without an extension");
     place.render(&[""]).fails(2, "error: ");
     #[cfg(unix)]

@@ -32,13 +32,21 @@ impl ChannelRange {
 
     /// The channel from 0 to 1; 0 for NaN.
     pub fn unit(self, channel: f32) -> f32 {
-        let channel = if self.is_bytes() { channel / 255.0 } else { channel };
-        channel.max(0.0).min(1.0)
+        share(f64::from(channel) / if self.is_bytes() { 255.0 } else { 1.0 }) as f32
     }
 
     /// Whether a channel is cut off where it can be seen.
     pub fn cuts(self, channel: f32) -> bool {
         channel > if self.is_bytes() { 255.5 } else { 1.0 + UNSEEN }
+    }
+}
+
+/// From 0 to 1; 0 for NaN.
+pub(super) fn share(x: f64) -> f64 {
+    if x > 0.0 {
+        x.min(1.0)
+    } else {
+        0.0
     }
 }
 

@@ -5,8 +5,8 @@ use std::path::Path;
 use super::Sources;
 
 /// Losses below this share of the geometry's extent need no word. Around the origin no rounding loses more than 2^-24 of
-/// it: only what is more than four times as far from there as it is large can pass.
-const WORTH_TELLING: f64 = 1.0 / (1 << 22) as f64;
+/// it: only what is more than sixty times as far from there as it is large can pass.
+const WORTH_TELLING: f64 = 1.0 / (1 << 18) as f64;
 
 /// The rounding of all positions of a file.
 #[derive(Clone, Copy, Default)]
@@ -84,6 +84,7 @@ mod tests {
             &[[0.1, 0.2, 0.3], [1.0 / 3.0, 1e-9, 7.7]][..],
             &[[-4500000.123, 0.1, 0.0], [4500000.123, 0.1, 0.0]],
             &[[4500000.5, 0.0, 0.0], [4500001.0, 1.0, 0.0]],
+            &[[2.5, 0.1, 0.3], [2.6, 0.2, 0.4]],
             &[[f64::NAN, 1e99, 0.1]],
             &[],
         ] {

@@ -3,7 +3,7 @@
 use ply_rs_bw::ply::{PropertyType, ScalarType};
 
 use super::header::Element;
-use crate::load::colors::{decoded, ChannelRange};
+use crate::load::colors::{decoded, share, ChannelRange};
 use crate::srgb::srgb_to_linear_precise;
 
 /// How a table writes its colours: what stands for 1 in red, green, blue and alpha; `None` for floating point.
@@ -42,9 +42,8 @@ impl ColorFormat {
     pub fn color(self, row: [f64; 4]) -> [f32; 4] {
         std::array::from_fn(|channel| match self.0[channel] {
             None => row[channel] as f32,
-            // `max` turns NaN into 0.
-            Some(one) if channel == 3 => (row[channel] / one).max(0.0).min(1.0) as f32,
-            Some(one) => srgb_to_linear_precise((row[channel] / one).max(0.0).min(1.0)) as f32,
+            Some(one) if channel == 3 => share(row[channel] / one) as f32,
+            Some(one) => srgb_to_linear_precise(share(row[channel] / one)) as f32,
         })
     }
 

@@ -21,6 +21,14 @@ pub(super) struct Header {
     pub texture_files: Vec<TextureFile>,
     /// Names of properties that an element has before: the first holds.
     pub repeated: Vec<String>,
+    pub foreign: Option<Foreign>,
+}
+
+/// Lines of the header that are no statements: how many, and the first.
+pub(super) struct Foreign {
+    pub count: usize,
+    pub line: usize,
+    pub text: String,
 }
 
 /// A picture that a comment names.
@@ -47,6 +55,7 @@ impl Header {
     pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, LoadError> {
         let (text, body) = split(path, bytes)?;
         let texture_files = texture_files(&text);
+        let (text, foreign) = without_foreign_lines(&text);
         let (text, repeated) = with_unlike_names(&text);
         let parsed = Parser::<DefaultElement>::new()
             .read_header(&mut Reader::new(text.as_bytes()))
@@ -66,7 +75,7 @@ impl Header {
             .collect();
         refuse_doubles(path, &text, &elements)?;
         let body_line = text.lines().count() + 1;
-        Ok(Self { encoding: parsed.encoding, elements, body, body_line, texture_files, repeated })
+        Ok(Self { encoding: parsed.encoding, elements, body, body_line, texture_files, repeated, foreign })
     }
 
     /// Number of rows of an element; 0 if there is none.
@@ -166,6 +175,21 @@ fn texture_files(text: &str) -> Vec<TextureFile> {
     };
     let lines = text.lines().enumerate();
     lines.filter_map(|(at, line)| Some(TextureFile { line: at + 1, name: name_of(line)? })).collect()
+}
+
+/// The header with a comment in place of each line that is no statement, and those lines.
+fn without_foreign_lines(text: &str) -> (String, Option<Foreign>) {
+    const KEYWORDS: [&str; 7] = ["ply", "format", "comment", "obj_info", "element", "property", "end_header"];
+    let (mut kept, mut foreign) = (String::with_capacity(text.len()), None::<Foreign>);
+    for (at, line) in text.lines().enumerate() {
+        let is_statement = line.split_ascii_whitespace().next().is_some_and(|word| KEYWORDS.contains(&word));
+        if !is_statement {
+            foreign.get_or_insert_with(|| Foreign { count: 0, line: at + 1, text: line.to_owned() }).count += 1;
+        }
+        kept.push_str(if is_statement { line } else { "comment" });
+        kept.push('\n');
+    }
+    (kept, foreign)
 }
 
 /// The header with a name of its own for each property that has the name of one before, such as padding, which the parser

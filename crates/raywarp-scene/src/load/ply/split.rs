@@ -6,7 +6,7 @@ use crate::load::hash::FoldState;
 use crate::Mesh;
 
 /// A vertex of the file with the attributes of a corner.
-type Key = [u64; 4];
+type Key = (u64, u64, u64, u64);
 
 /// Takes over texture coordinates of each triangle's corners and colours of triangles; either list may be empty. Where a
 /// triangle has none, those of its vertices stay, or (0, 0).
@@ -39,7 +39,7 @@ impl Split<'_> {
         let color = self.colors.get(triangle).copied();
         let pair = |x: f32, y: f32| u64::from(x.to_bits()) | u64::from(y.to_bits()) << 32;
         let [r, g, b, a] = color.unwrap_or_default();
-        let key = [u64::from(vertex), uv.map_or(0, |[u, v]| pair(u, v)), pair(r, g), pair(b, a)];
+        let key = (u64::from(vertex), uv.map_or(0, |[u, v]| pair(u, v)), pair(r, g), pair(b, a));
         let next = self.mesh.positions.len() as u32;
         let known = *self.known.entry(key).or_insert(next);
         if known == next {

@@ -60,6 +60,12 @@ fn warn(path: &Path, header: &Header, body: &Body, sources: &mut Sources) -> Res
         let message = format!("the property {} is defined again; the first holds", quote(name.as_bytes()));
         sources.warn(path, None, message)?;
     }
+    if let Some(foreign) = &header.foreign {
+        let (count, first) = (foreign.count, quote(foreign.text.as_bytes()));
+        let message =
+            format!("{count} lines of the header are not statements of PLY and are skipped; the first is {first}");
+        sources.warn(path, Some(foreign.line), message)?;
+    }
     if body.surplus.rows > 0 {
         let message = format!("{} rows have more values than the header declares; the first count", body.surplus.rows);
         sources.warn(path, Some(body.surplus.first_line), message)?;

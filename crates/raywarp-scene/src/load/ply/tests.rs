@@ -138,6 +138,19 @@ fn lines_of_the_header_may_begin_with_blanks_or_be_empty() {
 }
 
 #[test]
+fn foreign_lines_of_the_header_are_skipped_and_counted() {
+    let loaded = loaded(&ascii(&format!("Created by a program\n$\n{TRIANGLE}0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")));
+    assert_eq!(loaded.scene.meshes[0].triangles, [[0, 1, 2]]);
+    assert_eq!(
+        (only_warning(&loaded), loaded.warnings[0].line),
+        (
+            "2 lines of the header are not statements of PLY and are skipped; the first is 'Created by a program'",
+            Some(3)
+        )
+    );
+}
+
+#[test]
 fn padding_may_be_there_twice() {
     let pad = "property float z\nproperty uchar pad\nproperty uchar pad\nproperty uchar pad\n";
     let text = TRIANGLE.replace("property float z\n", pad);

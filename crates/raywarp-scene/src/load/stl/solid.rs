@@ -9,7 +9,7 @@ use crate::Mesh;
 #[derive(Default)]
 pub(super) struct Solid {
     mesh: Mesh,
-    known: HashMap<[u64; 4], u32, FoldState>,
+    known: HashMap<(u64, u64, u64, u64), u32, FoldState>,
 }
 
 impl Solid {
@@ -29,7 +29,7 @@ impl Solid {
         let pair = |x: f32, y: f32| u64::from(x.to_bits()) | u64::from(y.to_bits()) << 32;
         let ([x, y, z], [r, g, b, a]) = (position, color.unwrap_or_default());
         let mesh = &mut self.mesh;
-        *self.known.entry([pair(x, y), pair(z, 0.0), pair(r, g), pair(b, a)]).or_insert_with(|| {
+        *self.known.entry((pair(x, y), pair(z, 0.0), pair(r, g), pair(b, a))).or_insert_with(|| {
             mesh.positions.push(position);
             mesh.colors.extend(color);
             mesh.positions.len() as u32 - 1
