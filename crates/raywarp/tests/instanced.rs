@@ -121,6 +121,8 @@ fn below(tree: &Instanced, child: Child, found: &mut Vec<Triangle>) {
 }
 
 impl Structure for Everything<'_> {
+    const NAME: &'static str = "everything";
+
     fn traverse(&self, ray: &Ray, _: &mut impl Counter, visitor: &mut impl Visitor) {
         for Seen { instance, triangles } in self.0 {
             let within = instance.bring(ray);

@@ -1,8 +1,8 @@
 //! `raywarp bench`: how many rays a second, by kind of ray, structure and tree, beside other ray tracers.
 //!
-//! [`suite`] says which scenes, [`contest`] makes the rays of each and has every structure and every [`peers`] answer
-//! them, [`results`] is what came of it and [`table`] how people read it. [`frames`] times whole pictures instead, and
-//! [`live`] the viewer.
+//! `suite` says which scenes, `contest` makes the rays of each and has every structure and every `peers` answer
+//! them, `results` is what came of it and `table` how people read it. `frames` times whole pictures instead, and
+//! `live` the viewer.
 
 mod contest;
 mod exchange;

@@ -61,17 +61,17 @@ fn are_close(a: &Bounds, b: &Bounds) -> bool {
 
 /// Cuts cells as the builder does, and finds each in the tree.
 fn check_node(tree: &KdTree, index: u32, cell: Cell, budget: usize, depth: usize) -> Result<(), TestCaseError> {
-    check_contents(&cell, &tree.triangles)?;
+    check_contents(&cell, tree.triangles())?;
     check_best(&cell)?;
-    let builder = Builder { triangles: &tree.triangles, deepest: deepest(tree.triangles.len()) };
-    let node = tree.nodes[index as usize];
+    let builder = Builder { triangles: tree.triangles(), deepest: deepest(tree.triangles().len()) };
+    let node = tree.nodes()[index as usize];
     let Some(plane) = builder.plane(&cell, budget, depth) else {
-        let held = &tree.references[node.first() as usize..(node.first() + node.count()) as usize];
+        let held = &tree.references()[node.first() as usize..(node.first() + node.count()) as usize];
         prop_assert!(node.is_leaf() && held.iter().copied().eq(cell.parts.iter().map(|part| part.triangle)));
         return Ok(());
     };
     prop_assert_eq!(node, Node::inner(plane.axis as u32, plane.at, node.below()));
-    let cells = cell.cut(&plane, &tree.triangles);
+    let cells = cell.cut(&plane, tree.triangles());
     let budgets = share(budget, cells[0].parts.len(), cells[1].parts.len());
     for (index, (cell, budget)) in (node.below()..).zip(cells.into_iter().zip(budgets)) {
         check_node(tree, index, cell, budget, depth + 1)?;
@@ -97,7 +97,7 @@ proptest! {
     fn every_cut_is_the_best(triangles in scene()) {
         let tree = build(triangles).unwrap();
         prop_assert_eq!(tree.validate(), Ok(()));
-        check_node(&tree, 0, Cell::around(&tree.triangles), COPIES * tree.triangles.len(), 0)?;
+        check_node(&tree, 0, Cell::around(tree.triangles()), COPIES * tree.triangles().len(), 0)?;
     }
 }
 
@@ -139,7 +139,7 @@ fn copies_keep_to_the_budget() {
     let triangles: Vec<_> = (1..3000).map(|i| at(i as f32 * 1e-3, i as f32, i)).collect();
     let tree = build(triangles.clone()).unwrap();
     assert_eq!(tree.validate(), Ok(()));
-    assert!(tree.references.len() <= COPIES * triangles.len());
+    assert!(tree.references().len() <= COPIES * triangles.len());
 }
 
 #[test]
@@ -149,8 +149,8 @@ fn what_cannot_be_hit_is_in_no_leaf() {
     triangles[9].v0.z = f32::NEG_INFINITY;
     let tree = build(triangles).unwrap();
     assert_eq!(tree.validate(), Ok(()));
-    assert!(!tree.references.contains(&7) && !tree.references.contains(&9));
-    assert!(tree.low.z > -10.0);
+    assert!(!tree.references().contains(&7) && !tree.references().contains(&9));
+    assert!(tree.bounds()[0].z > -10.0);
 }
 
 #[test]
@@ -160,8 +160,8 @@ fn threads_do_not_change_the_tree() {
         pool.install(|| build(soup(20_000)).unwrap())
     };
     let (one, four) = (with(1), with(4));
-    assert!(one.nodes == four.nodes && one.references == four.references);
-    assert!(one.nodes.len() > 1000);
+    assert!(one.nodes() == four.nodes() && one.references() == four.references());
+    assert!(one.nodes().len() > 1000);
 }
 
 /// A tree that leaves out a triangle of a cell is found out, wherever that is.
@@ -170,13 +170,13 @@ fn a_part_that_is_missing_is_missed() {
     let tree = build(soup(300)).unwrap();
     assert!(tree.stats().duplicates > 100);
     let missed = |reference: usize| {
-        let mut broken = tree.clone();
-        broken.references[reference] = (broken.references[reference] + 150) % 300;
-        broken.validate().is_err()
+        let mut references = tree.references().to_vec();
+        references[reference] = (references[reference] + 150) % 300;
+        KdTree::from_parts(tree.nodes().to_vec(), references, tree.triangles().to_vec(), tree.bounds()).is_err()
     };
     // All but parts that are only in the margin beside their cell.
-    let found = (0..tree.references.len()).filter(|&reference| missed(reference)).count();
-    assert!(found * 100 >= tree.references.len() * 99, "{found} of {}", tree.references.len());
+    let found = (0..tree.references().len()).filter(|&reference| missed(reference)).count();
+    assert!(found * 100 >= tree.references().len() * 99, "{found} of {}", tree.references().len());
 }
 
 /// Work is the number of events in all cells: in O(n log n) it grows by little more than the triangles.

@@ -1,8 +1,6 @@
 //! `raywarp-lab bench` as a process: every structure by its name, and the same answers from each. Never how fast.
 
-mod place;
-
-use place::{Place, SCENE};
+use crate::place::{Place, SCENE};
 use raywarp_lab::structures::StructureKind;
 use serde_json::Value;
 

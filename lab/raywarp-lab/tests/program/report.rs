@@ -1,8 +1,6 @@
 //! `raywarp-lab study` as a process: that the report is whole, and that what is counted is right. Never how fast.
 
-mod place;
-
-use place::{Place, Run, SCENE};
+use crate::place::{Place, Run, SCENE};
 use raywarp::accel::{Accel, AccelKind};
 use raywarp::query::{opaque_triangles, tests, RaySource};
 use raywarp::render::default_camera;

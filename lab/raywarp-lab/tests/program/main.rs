@@ -1,0 +1,5 @@
+//! `raywarp-lab` as a process.
+
+mod bench;
+mod place;
+mod report;
