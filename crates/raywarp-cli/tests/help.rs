@@ -58,7 +58,7 @@ fn completions_know_what_options_take() {
     let bash = place.run(&["completions", "bash"]).succeeds().out();
     for values in [
         "auto cpu cuda",
-        "brute staged kd kdsah kdtrail",
+        "brute kd bvh2 bvh2c",
         "fast medium high",
         "clamp filmic",
         "depth normal albedo",

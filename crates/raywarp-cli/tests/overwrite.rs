@@ -102,17 +102,6 @@ fn standard_streams_may_be_files_too() {
 }
 
 #[test]
-fn a_study_does_not_write_over_its_suite_or_scenes() {
-    let place = place();
-    std::fs::create_dir(place.path("study")).unwrap();
-    place.write("study/report.html", "[[scenes]]\nname = \"one\"\nfile = \"model.obj\"\n");
-    place
-        .run(&["study", "--quick", "--suite", "study/report.html", "--device", "cpu"])
-        .fails(2, "cannot write study/report.html: it is read");
-    assert!(std::fs::read_to_string(place.path("study/report.html")).unwrap().starts_with("[[scenes]]"));
-}
-
-#[test]
 fn a_tree_of_the_cache_is_no_output() {
     let place = place();
     std::fs::create_dir(place.path("trees")).unwrap();

@@ -29,7 +29,7 @@ fn options_that_make_no_sense_are_refused() {
     let place = Place::new();
     let serve = |option: &str| place.run(&["serve", "--port", "0", option]);
     serve("--host=192.0.2.1").fails(2, "no address of this machine");
-    serve("--viewers=0").fails(2, "0 is not in 1..=1000");
+    serve("--viewers=0").fails(2, "a whole number from 1 to 1000");
     place.run(&["serve", "--port=65536"]).fails(2, "65536");
 }
 

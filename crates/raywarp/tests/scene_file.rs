@@ -34,6 +34,7 @@ name = "plain"
 [[meshes]]
 name = "t"
 vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+uvs = [[0, 0], [1, 0], [0, 1]]
 faces = [[0, 1, 2]]
 material = "red"
 

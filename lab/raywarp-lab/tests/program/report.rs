@@ -24,6 +24,16 @@ fn list(value: &Value) -> &[Value] {
 const KINDS: [&str; 4] = ["primary", "shadow", "reflected", "diffuse"];
 
 #[test]
+fn a_study_does_not_write_over_its_suite() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("study")).unwrap();
+    let suite = "[[scenes]]\nname = \"one\"\nfile = \"model.obj\"\n";
+    std::fs::write(place.path("study/report.html"), suite).unwrap();
+    study(&place, &["--suite", "study/report.html"]).fails(2, "cannot write study/report.html: it is read");
+    assert_eq!(std::fs::read_to_string(place.path("study/report.html")).unwrap(), suite);
+}
+
+#[test]
 fn the_papers_scene_fills_every_part_of_the_report() {
     let place = Place::new();
     study(&place, &["-o", "report"]).succeeds();
