@@ -221,7 +221,7 @@ impl Scene {
         }
     }
 
-    /// As [`laid_out`](Self::laid_out), at a hit.
+    /// Texture coordinates by which a texture of the material is laid out at a hit, given those of the first set.
     #[inline(always)]
     pub fn coordinates(&self, hit: &Hit, material: &Material, map: u32, first: [f32; 2]) -> [f32; 2] {
         match self.uses_second(material, map) {

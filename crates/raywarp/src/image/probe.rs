@@ -46,7 +46,7 @@ fn exr_found(file: BufReader<File>) -> Option<Found> {
     let size = [u32::try_from(layer.size.x()).ok()?, u32::try_from(layer.size.y()).ok()?];
     let mut attributes = layer.attributes.other.iter();
     let fingerprint = attributes.find_map(|(name, value)| match value {
-        AttributeValue::Text(text) if name.to_string() == EXR_FINGERPRINT => Some(text.to_string()),
+        AttributeValue::Text(text) if name == EXR_FINGERPRINT => Some(text.to_string()),
         _ => None,
     });
     Some(Found { size, fingerprint })
