@@ -1,38 +1,68 @@
 //! Textures on meshes that have no coordinates for them: there a material shows its plain colour, and not one texel.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use super::quote::quote;
 use super::{LoadError, Sources};
-use crate::{Material, Scene};
+use crate::{Material, NormalMap, Scene, Texture, UvSet};
+
+/// Of the two sets of texture coordinates, those that something holds for.
+type Sets = [bool; 2];
 
 /// Takes the textures from the materials of such meshes, with one warning. A material that other meshes have
 /// coordinates for stays as it is, and these get a copy of it.
 pub(super) fn settle(path: &Path, scene: &mut Scene, sources: &mut Sources) -> Result<(), LoadError> {
-    let is_textured: Vec<bool> = scene.materials.iter().map(has_texture).collect();
-    if !is_textured.contains(&true) || scene.meshes.iter().all(|mesh| !mesh.uvs.is_empty()) {
+    let coordinates = Coordinates::of(scene);
+    if !coordinates.may_miss() {
         return Ok(());
     }
-    let uses = Uses::of(scene, &is_textured);
+    let uses = Uses::of(scene, &coordinates);
     let Some(&(mesh, material)) = uses.without.first() else { return Ok(()) };
     warn(path, scene, [mesh, material as usize], uses.without.len() - 1, sources)?;
-    let plain = plain_materials(scene, &uses);
-    give(scene, &plain);
+    let plain = plain_materials(scene, &uses, &coordinates);
+    give(scene, &plain, &coordinates);
     Ok(())
+}
+
+/// Which sets of texture coordinates there are and are asked for.
+struct Coordinates {
+    /// Read by the textures of each material.
+    read: Vec<Sets>,
+    /// Not there, mesh by mesh.
+    lacking: Vec<Sets>,
+}
+
+impl Coordinates {
+    fn of(scene: &Scene) -> Self {
+        let lacking = scene.meshes.iter().map(|mesh| [mesh.uvs.is_empty(), mesh.second_uvs.is_empty()]);
+        Self { read: scene.materials.iter().map(sets_read).collect(), lacking: lacking.collect() }
+    }
+
+    /// Whether any mesh lacks what any material reads.
+    fn may_miss(&self) -> bool {
+        let any = |list: &[Sets], set: usize| list.iter().any(|sets| sets[set]);
+        (0..2).any(|set| any(&self.read, set) && any(&self.lacking, set))
+    }
+
+    /// Sets that a material reads and a mesh lacks; none where it reads none, or there is no such mesh or material.
+    fn missing(&self, mesh: usize, material: u32) -> Option<Sets> {
+        let (lacking, read) = (self.lacking.get(mesh)?, self.read.get(material as usize)?);
+        (read != &[false; 2]).then(|| [0, 1].map(|set| lacking[set] && read[set]))
+    }
 }
 
 /// Which meshes use which textured materials.
 #[derive(Default)]
 struct Uses {
-    /// Meshes without texture coordinates and their materials, each pair once.
+    /// Meshes that lack coordinates of materials, and these, each pair once.
     without: Vec<(usize, u32)>,
-    /// Materials of meshes with texture coordinates.
+    /// Materials of meshes with all their texture coordinates.
     with: HashSet<u32>,
 }
 
 impl Uses {
-    fn of(scene: &Scene, is_textured: &[bool]) -> Self {
+    fn of(scene: &Scene, coordinates: &Coordinates) -> Self {
         let (mut uses, mut seen) = (Self::default(), HashSet::new());
         let own = scene.meshes.iter().enumerate().flat_map(|(at, mesh)| mesh.materials.iter().map(move |&m| (at, m)));
         let given = scene.instances.iter().filter_map(|instance| Some((instance.mesh, instance.material?)));
@@ -41,13 +71,12 @@ impl Uses {
         let mut last = None;
         for pair in own.chain(given) {
             // Neighbours are alike as a rule.
-            let (mesh, material) = pair;
-            if last == Some(pair) || !is_textured.get(material as usize).is_some_and(|&is| is) {
+            if last == Some(pair) {
                 continue;
             }
             last = Some(pair);
-            match scene.meshes.get(mesh) {
-                Some(mesh) if !mesh.uvs.is_empty() => drop(uses.with.insert(material)),
+            match coordinates.missing(pair.0, pair.1) {
+                Some([false, false]) => drop(uses.with.insert(pair.1)),
                 Some(_) if seen.insert(pair) => uses.without.push(pair),
                 _ => {}
             }
@@ -68,53 +97,74 @@ fn replaced(scene: &Scene) -> Vec<bool> {
     placed.into_iter().zip(own).map(|(placed, own)| placed && !own).collect()
 }
 
-/// Index of what stands for each material on a mesh without texture coordinates.
-fn plain_materials(scene: &mut Scene, uses: &Uses) -> Vec<u32> {
-    let mut plain: Vec<u32> = (0..scene.materials.len() as u32).collect();
-    for &(_, index) in &uses.without {
-        let index = index as usize;
-        if plain[index] as usize != index {
+/// Indices of what stands for materials where sets of texture coordinates are missing.
+type Plain = HashMap<(u32, Sets), u32>;
+
+fn plain_materials(scene: &mut Scene, uses: &Uses, coordinates: &Coordinates) -> Plain {
+    let mut plain = Plain::new();
+    // A material that all its meshes lack the same for need not be copied.
+    let mut kept = uses.with.clone();
+    let mut originals = HashMap::new();
+    for &(mesh, index) in &uses.without {
+        let Some(missing) = coordinates.missing(mesh, index) else { continue };
+        if plain.contains_key(&(index, missing)) {
             continue;
         }
-        let stripped = without_textures(&scene.materials[index]);
-        if uses.with.contains(&(index as u32)) {
-            plain[index] = scene.materials.len() as u32;
-            let name = format!("{} (without texture)", stripped.name);
-            scene.materials.push(Material { name, ..stripped });
+        let original = originals.entry(index).or_insert_with(|| scene.materials[index as usize].clone());
+        let mut stripped = original.clone();
+        strip(&mut stripped, missing);
+        if kept.insert(index) {
+            scene.materials[index as usize] = stripped;
+            plain.insert((index, missing), index);
         } else {
-            scene.materials[index] = stripped;
+            stripped.name = format!("{} (without texture)", stripped.name);
+            plain.insert((index, missing), scene.materials.len() as u32);
+            scene.materials.push(stripped);
         }
     }
     plain
 }
 
-fn give(scene: &mut Scene, plain: &[u32]) {
-    let stand_in = |material: u32| plain.get(material as usize).copied().unwrap_or(material);
-    let meshes = &mut scene.meshes;
-    for mesh in meshes.iter_mut().filter(|mesh| mesh.uvs.is_empty()) {
-        mesh.materials.iter_mut().for_each(|material| *material = stand_in(*material));
+fn give(scene: &mut Scene, plain: &Plain, coordinates: &Coordinates) {
+    let stand_in = |mesh: usize, material: u32| {
+        let missing = coordinates.missing(mesh, material);
+        missing.and_then(|missing| plain.get(&(material, missing)).copied()).unwrap_or(material)
+    };
+    for (at, mesh) in scene.meshes.iter_mut().enumerate() {
+        mesh.materials.iter_mut().for_each(|material| *material = stand_in(at, *material));
     }
     for instance in &mut scene.instances {
-        if meshes.get(instance.mesh).is_some_and(|mesh| mesh.uvs.is_empty()) {
-            instance.material = instance.material.map(stand_in);
-        }
+        instance.material = instance.material.map(|material| stand_in(instance.mesh, material));
     }
 }
 
-fn has_texture(material: &Material) -> bool {
+fn sets_read(material: &Material) -> Sets {
     let maps = [&material.diffuse_map, &material.specular_map, &material.emission_map, &material.opacity_map];
-    material.normal_map.is_some() || maps.into_iter().any(Option::is_some)
+    let textures = maps.into_iter().flatten().chain(material.normal_map.as_ref().map(texture_of));
+    textures.fold([false; 2], |mut read, texture| {
+        read[set_of(texture)] = true;
+        read
+    })
 }
 
-fn without_textures(material: &Material) -> Material {
-    Material {
-        diffuse_map: None,
-        specular_map: None,
-        emission_map: None,
-        opacity_map: None,
-        normal_map: None,
-        ..material.clone()
+/// Takes the textures that read missing sets.
+fn strip(material: &mut Material, missing: Sets) {
+    let is_missing = |texture: &Texture| missing[set_of(texture)];
+    let Material { diffuse_map, specular_map, emission_map, opacity_map, normal_map, .. } = material;
+    for map in [diffuse_map, specular_map, emission_map, opacity_map] {
+        map.take_if(|texture| is_missing(texture));
     }
+    normal_map.take_if(|map| is_missing(texture_of(map)));
+}
+
+fn texture_of(map: &NormalMap) -> &Texture {
+    match map {
+        NormalMap::Tangent { texture, .. } | NormalMap::Height { texture, .. } => texture,
+    }
+}
+
+fn set_of(texture: &Texture) -> usize {
+    usize::from(texture.uv_set == UvSet::Second)
 }
 
 fn warn(
@@ -141,7 +191,7 @@ fn warn(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Instance, LoadOptions, Mesh, Texture, Transform};
+    use crate::{Instance, LoadOptions, Mesh, Transform};
 
     fn mesh(name: &str, uvs: bool, materials: &[u32]) -> Mesh {
         Mesh {
@@ -199,5 +249,20 @@ mod tests {
         let materials = vec![brick(), Material::default()];
         let (scene, warnings) = settled(Scene { meshes, instances, materials, ..Scene::default() });
         assert!(scene.materials[0].diffuse_map.is_some() && warnings.is_empty());
+    }
+
+    #[test]
+    fn each_set_of_coordinates_counts_by_itself() {
+        let glow = Texture { uv_set: UvSet::Second, ..Texture::new(0, true) };
+        let both = || Material { emission_map: Some(glow), ..brick() };
+        let second = Mesh { second_uvs: vec![[0.0; 2]; 3], ..mesh("second", false, &[0]) };
+        let meshes = vec![second, mesh("first", true, &[0]), mesh("bare", false, &[0])];
+        let (scene, warnings) = settled(Scene { meshes, materials: vec![both()], ..Scene::default() });
+        let maps = |at: usize| {
+            let material = &scene.materials[scene.meshes[at].materials[0] as usize];
+            (material.diffuse_map.is_some(), material.emission_map.is_some())
+        };
+        assert_eq!([maps(0), maps(1), maps(2)], [(false, true), (true, false), (false, false)]);
+        assert!(warnings.len() == 1 && warnings[0].ends_with("so it is with 2 more such pairs"), "{warnings:?}");
     }
 }

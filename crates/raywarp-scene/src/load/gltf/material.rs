@@ -14,7 +14,7 @@ use super::phong::{at_most, reflectance_of, Surface};
 use super::texture::{self, Slot};
 use super::Reader;
 use crate::srgb::srgb_to_linear;
-use crate::{AlphaMode, Material, NormalMap, Texture, UvSet};
+use crate::{AlphaMode, Material, NormalMap, Texture};
 
 /// A material that was read.
 #[derive(Clone, Copy)]
@@ -46,35 +46,6 @@ pub(super) fn read(reader: &mut Reader, index: Option<usize>) -> Result<Known, L
     reader.scene.materials.push(material);
     reader.cache.materials.insert(index, known);
     Ok(known)
-}
-
-/// The material as a mesh shows it that lacks some sets of texture coordinates: without the textures that read them.
-pub(super) fn without(reader: &mut Reader, known: Known, lacks: [bool; 2], mesh: &str) -> Result<Known, LoadError> {
-    let is_lacking = |texture: &Texture| lacks[usize::from(texture.uv_set == UvSet::Second)];
-    let mut plain = reader.scene.materials[known.index as usize].clone();
-    let maps = [&mut plain.diffuse_map, &mut plain.specular_map, &mut plain.emission_map, &mut plain.opacity_map];
-    let mut is_changed = false;
-    for map in maps {
-        is_changed |= map.take_if(|texture| is_lacking(texture)).is_some();
-    }
-    let bends = |map: &mut NormalMap| match map {
-        NormalMap::Tangent { texture, .. } | NormalMap::Height { texture, .. } => is_lacking(texture),
-    };
-    is_changed |= plain.normal_map.take_if(bends).is_some();
-    if !is_changed {
-        return Ok(known);
-    }
-    let (mesh, name) = (quote(mesh.as_bytes()), quote(plain.name.as_bytes()));
-    reader
-        .warn(format!("mesh {mesh} lacks texture coordinates of material {name}: it is shown without the textures"))?;
-    if let Some(&index) = reader.cache.plain_materials.get(&(known.index, lacks)) {
-        return Ok(Known { index, ..known });
-    }
-    let index = reader.scene.materials.len() as u32;
-    reader.budget.take(reader.origin, plain.name.len(), 1)?;
-    reader.scene.materials.push(plain);
-    reader.cache.plain_materials.insert((known.index, lacks), index);
-    Ok(Known { index, ..known })
 }
 
 /// TEXCOORD_0, and TEXCOORD_1 where a texture reads it. A material that reads others has the first two that it reads.

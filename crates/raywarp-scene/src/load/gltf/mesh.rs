@@ -74,7 +74,6 @@ fn read_primitive(
         reader.dropped.without_positions += 1;
         return Ok(None);
     };
-    let material = material::without(reader, material, accessors.lacks(material.sets), name)?;
     let deforms = pose.deforms(primitive);
     let geometry = accessors.geometry(mode);
     if let Some(&mesh) = reader.cache.geometry.get(&geometry).filter(|_| !deforms) {
@@ -132,11 +131,6 @@ impl Accessors {
             colors: attribute(Semantic::Colors(0)),
             indices: primitive.indices,
         })
-    }
-
-    /// Which of the sets that a material reads are not there.
-    fn lacks(&self, sets: Sets) -> [bool; 2] {
-        [0, 1].map(|place| sets[place].is_some() && self.uvs[place].is_none())
     }
 
     fn geometry(&self, mode: Mode) -> Geometry {

@@ -116,8 +116,6 @@ struct Cache {
     worlds: Option<Rc<[DAffine3]>>,
     /// `None` is the material of primitives without one.
     materials: HashMap<Option<usize>, material::Known>,
-    /// Materials without the textures that a mesh has no coordinates for, by the scene's own.
-    plain_materials: HashMap<(u32, [bool; 2]), u32>,
     images: HashMap<usize, u32>,
     /// Mean texels of pictures.
     means: HashMap<usize, [f32; 4]>,

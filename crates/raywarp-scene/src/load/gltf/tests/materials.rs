@@ -251,7 +251,7 @@ fn a_texture_on_a_mesh_without_coordinates_is_a_warning_and_the_plain_color() {
     let messages: Vec<_> = loaded.warnings.iter().map(|warning| warning.message.as_str()).collect();
     assert_eq!(
         messages,
-        ["mesh 'shape' lacks texture coordinates of material 'paint': it is shown without the textures"]
+        ["the mesh 'shape' has no coordinates for the textures of the material 'paint', which shows its plain colour there"]
     );
     let [textured, plain] = &loaded.scene.materials[..] else { panic!("two materials") };
     assert!(textured.diffuse_map.is_some() && textured.normal_map.is_some());
