@@ -138,10 +138,10 @@ fn a_page_where_nothing_happens_is_told_nothing() {
             break;
         }
     }
-    // A last status may still be on its way.
     while client.next(Duration::from_millis(500)).is_some() {}
-    let told: Vec<_> = (0..3).filter_map(|_| client.next(Duration::from_secs(2))).collect();
-    assert!(told.len() <= 1, "{told:?}");
+    // Long enough for the next pings.
+    let told = client.next(Duration::from_secs(5));
+    assert!(told.is_none(), "{told:?}");
 }
 
 /// Reads until a file is there; bytes of it.

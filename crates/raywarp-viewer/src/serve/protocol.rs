@@ -120,7 +120,7 @@ pub struct Link {
     pub scale: f32,
     /// From the first byte of a picture to its acknowledgement.
     pub lag_ms: f64,
-    /// Of an empty message.
+    /// Of an empty message, in whole milliseconds.
     pub ping_ms: f64,
     /// Clients there are.
     pub viewers: usize,

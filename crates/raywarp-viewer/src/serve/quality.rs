@@ -39,7 +39,7 @@ pub struct Setting {
     pub scale: f32,
     /// From the first byte of a picture to its acknowledgement, in milliseconds, averaged.
     pub lag_ms: f64,
-    /// Of an empty message, in milliseconds: the least of the last ones.
+    /// Of an empty message, in whole milliseconds: the least of the last ones.
     pub ping_ms: f64,
 }
 
@@ -109,7 +109,9 @@ impl Quality {
     pub fn setting(&self) -> Setting {
         // In steps, as each change of size starts a picture anew.
         let scale = (self.scale * 8.0).round() / 8.0;
-        Setting { jpeg: self.jpeg as u8, scale, lag_ms: self.lag * 1e3, ping_ms: self.way() * 1e3 }
+        // Whole: no two pings take the same time, and a page where nothing happens is not told of each.
+        let ping_ms = (self.way() * 1e3).round();
+        Setting { jpeg: self.jpeg as u8, scale, lag_ms: self.lag * 1e3, ping_ms }
     }
 }
 
