@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use raywarp::backend::{survey, Device, DeviceChoice, DeviceError, DeviceInfo, Survey};
 
+use crate::messages;
 use crate::report::Table;
-use crate::say;
 
 /// Says whether a GPU can be used.
 ///
@@ -13,7 +13,7 @@ use crate::say;
 /// Where none can, after saying why; the exit code is that of a device error.
 pub fn run() -> anyhow::Result<()> {
     let survey = survey();
-    say::out(describe(&survey).as_bytes())?;
+    messages::out(describe(&survey).as_bytes())?;
     match problem(survey) {
         None => Ok(()),
         Some(problem) => Err(problem.into()),
@@ -53,8 +53,8 @@ fn describe_device(device: &DeviceInfo) -> String {
         "{}, compute capability {major}.{minor}, {} multiprocessors, {} of {} free; {kernels}",
         device.name,
         device.multiprocessors,
-        say::bytes(device.memory_free),
-        say::bytes(device.memory_total)
+        messages::bytes(device.memory_free),
+        messages::bytes(device.memory_total)
     )
 }
 

@@ -9,7 +9,7 @@ use raywarp::write::WriteError;
 use raywarp_viewer::serve::ServeError;
 use raywarp_viewer::ViewerError;
 
-use crate::{say, serve};
+use crate::{messages, serve};
 
 /// A usage or scene error, or a picture that cannot be written.
 const USAGE: u8 = 2;
@@ -21,14 +21,14 @@ pub fn exit_code(error: &anyhow::Error) -> ExitCode {
     if error.chain().any(is_broken_pipe) {
         return ExitCode::SUCCESS;
     }
-    say::line(&format!("error: {}", sentence(error)));
+    messages::line(&format!("error: {}", sentence(error)));
     ExitCode::from(if error.chain().any(is_of_device) { DEVICE } else { USAGE })
 }
 
 /// Says what is wrong with the options, or shows the help that they ask for.
 pub fn of_options(error: &clap::Error) -> ExitCode {
     let Some(sentence) = serve::advise(error) else { error.exit() };
-    say::line(&format!("error: {sentence}"));
+    messages::line(&format!("error: {sentence}"));
     ExitCode::from(USAGE)
 }
 

@@ -7,11 +7,11 @@ use raywarp::scene::{Material, Scene};
 use serde::Serialize;
 
 use crate::interrupt::Interrupt;
+use crate::messages;
 use crate::options::InfoOptions;
 use crate::output::to_standard_output;
 use crate::render::read;
 use crate::report::{SceneCounts, Table, Tree};
-use crate::say;
 
 /// Everything that is said about a scene.
 #[derive(Debug, Serialize)]
@@ -87,8 +87,8 @@ pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
         warnings: loaded.warnings.iter().map(ToString::to_string).collect(),
         notes: loaded.notes.iter().map(ToString::to_string).chain(bvh.notes).collect(),
     };
-    say::results(&info, options.json, || info.text())?;
-    say::warnings(&loaded.warnings);
+    messages::results(&info, options.json, || info.text())?;
+    messages::warnings(&loaded.warnings);
     Ok(())
 }
 
@@ -156,13 +156,13 @@ impl Info {
         if !self.render.is_empty() {
             table.row("render", &self.render);
         }
-        table.row("memory", format!("{} as read", say::bytes(self.memory)));
+        table.row("memory", format!("{} as read", messages::bytes(self.memory)));
         self.material_rows(&mut table);
         for image in &self.images {
             table.row("image", format!("{} ({}x{})", image.name, image.size[0], image.size[1]));
         }
         for tree in &self.trees {
-            let time = say::seconds(tree.build_seconds);
+            let time = messages::seconds(tree.build_seconds);
             table.row(&format!("tree {}", tree.accel), format!("{}, built in {time}", tree.tree.sentence()));
         }
         for note in &self.notes {

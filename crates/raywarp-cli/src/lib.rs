@@ -19,6 +19,8 @@ pub mod interrupt;
 mod limits;
 mod man;
 #[doc(hidden)]
+pub mod messages;
+#[doc(hidden)]
 pub mod options;
 #[doc(hidden)]
 pub mod output;
@@ -32,8 +34,6 @@ mod read_ahead;
 pub mod render;
 #[doc(hidden)]
 pub mod report;
-#[doc(hidden)]
-pub mod say;
 mod serve;
 #[doc(hidden)]
 pub mod values;

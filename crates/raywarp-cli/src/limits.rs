@@ -3,9 +3,9 @@
 use raywarp::backend::{Device, DeviceChoice, DeviceError};
 use raywarp::image::Format;
 
+use crate::messages;
 use crate::options::RenderOptions;
 use crate::output::Plan;
-use crate::say;
 
 /// Refuses a picture of a size, or the part of it that the options ask for, that is not there or cannot be held.
 /// Columns and rows that are rendered.
@@ -39,8 +39,8 @@ fn check_memory([width, height]: [u32; 2], plan: &Plan, counted: bool) -> anyhow
         anyhow::bail!(
             "a picture of {width}x{height} pixels needs about {} of memory, and {} are free; choose a smaller --size, \
              or render parts of it with --crop",
-            say::bytes(needed),
-            say::bytes(available)
+            messages::bytes(needed),
+            messages::bytes(available)
         );
     }
     anyhow::ensure!(

@@ -9,8 +9,8 @@ use raywarp::image::{Layer, ToneMap};
 use raywarp::query::files::{Format, Mode};
 use raywarp::render::{MAX_DEPTH, MAX_SPP};
 use raywarp::scene::{RenderDefaults, Scene, Viewpoint};
-use raywarp_viewer::live::look::MAX_SAMPLES;
-use raywarp_viewer::live::{Source, StageOptions};
+use raywarp_viewer::live::view_settings::MAX_SAMPLES;
+use raywarp_viewer::live::{LiveSceneOptions, Source};
 
 pub use crate::bench::BenchOptions;
 pub use crate::frames::FrameOptions;
@@ -185,9 +185,9 @@ impl RenderOptions {
     }
 
     /// What was asked for; the scene's wishes and raywarp's own defaults fill the rest.
-    pub fn wishes(&self) -> RenderDefaults {
+    pub fn overrides(&self) -> RenderDefaults {
         let own = RenderDefaults { size: self.size, spp: self.spp, ..RenderDefaults::default() };
-        own.or(&self.shading.wishes()).or(&self.machine.wishes())
+        own.or(&self.shading.overrides()).or(&self.machine.overrides())
     }
 }
 
@@ -249,13 +249,13 @@ pub struct LiveOptions {
 
 impl LiveOptions {
     /// The same in the viewer's words.
-    pub fn stage(&self) -> StageOptions {
+    pub fn live_scene(&self) -> LiveSceneOptions {
         let own = RenderDefaults { spp: self.spp, ..RenderDefaults::default() };
-        StageOptions {
-            wishes: own.or(&self.shading.wishes()).or(&self.machine.wishes()),
+        LiveSceneOptions {
+            overrides: own.or(&self.shading.overrides()).or(&self.machine.overrides()),
             viewpoint: self.camera.viewpoint(),
             cached: !self.machine.no_cache,
-            ..StageOptions::default()
+            ..LiveSceneOptions::default()
         }
     }
 }
@@ -432,7 +432,7 @@ pub struct ShadingOptions {
 
 impl ShadingOptions {
     /// What was asked for.
-    pub fn wishes(&self) -> RenderDefaults {
+    pub fn overrides(&self) -> RenderDefaults {
         RenderDefaults {
             max_depth: self.max_depth,
             shadows: if self.no_shadows { Some(false) } else { self.shadows.then_some(true) },
@@ -471,13 +471,13 @@ pub struct MachineOptions {
 
 impl MachineOptions {
     /// What was asked for.
-    pub fn wishes(&self) -> RenderDefaults {
+    pub fn overrides(&self) -> RenderDefaults {
         RenderDefaults { accel: self.accel, tree: self.tree, ..RenderDefaults::default() }
     }
 
     /// What to build of a scene on a device.
     pub fn build(&self, scene: &Scene, device: &Device) -> Build {
-        Build::wished(&self.wishes().or(&scene.render), device, !self.no_cache)
+        Build::wished(&self.overrides().or(&scene.render), device, !self.no_cache)
     }
 }
 
@@ -493,7 +493,7 @@ mod tests {
 
     #[test]
     fn nothing_is_asked_for_unless_it_is() {
-        assert_eq!(super::RenderOptions::built_in().wishes(), raywarp::scene::RenderDefaults::default());
+        assert_eq!(super::RenderOptions::built_in().overrides(), raywarp::scene::RenderDefaults::default());
     }
 
     #[test]

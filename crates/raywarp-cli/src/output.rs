@@ -7,9 +7,9 @@ use raywarp::image::{exr, false_color, heatmap, png, Development, Format, Layer,
 use raywarp::write::{self, Outputs};
 
 use crate::interrupt::Interrupt;
+use crate::messages;
 use crate::options::{RenderOptions, StatsForm};
 use crate::provenance::Origin;
-use crate::say;
 
 /// The picture of a run that names none.
 const USUAL: &str = "raywarp.png";
@@ -42,7 +42,7 @@ impl<'a> Results<'a> {
 
     /// The picture as a PNG shows it.
     pub fn shown(&self) -> &Rgb8 {
-        self.shown.get_or_init(|| png::develop(self.picture, &self.development))
+        self.shown.get_or_init(|| png::tone_map_film(self.picture, &self.development))
     }
 }
 
@@ -142,7 +142,7 @@ impl Plan {
 
     /// The picture files by name, with commas.
     pub fn names(&self) -> String {
-        let names: Vec<_> = self.pictures.iter().map(|picture| say::output_name(&picture.0)).collect();
+        let names: Vec<_> = self.pictures.iter().map(|picture| messages::output_name(&picture.0)).collect();
         names.join(", ")
     }
 
@@ -207,7 +207,7 @@ impl Target<'_> {
     ) -> anyhow::Result<()> {
         self.put(path, &png::encode_described(&picture, Some(&results.provenance))?)?;
         if !quiet {
-            say::line(&format!("{}: {meaning}", say::path(path)));
+            messages::line(&format!("{}: {meaning}", messages::path(path)));
         }
         Ok(())
     }

@@ -12,12 +12,12 @@ use raywarp::write::{self, Outputs};
 use serde::Serialize;
 
 use crate::interrupt::Interrupt;
+use crate::messages;
 use crate::options::QueryOptions;
 use crate::output::Target;
 use crate::progress::{Bar, Words};
 use crate::read_ahead::ReadAhead;
 use crate::render::{limit_threads, read};
-use crate::say;
 
 /// Rays that are read, asked and put aside at once: 128 MiB of them. The next ones are read meanwhile.
 const PIECE: usize = 1 << 22;
@@ -40,15 +40,15 @@ pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
     let caster = RayCaster::from_scene(&loaded.scene, what, &device)?;
     caster.report().dropped.allow(options.strict)?;
     if !options.quiet {
-        say::warnings(&loaded.warnings);
-        say::notes(&loaded.notes);
-        say::dropped(&caster.report().dropped);
-        say::fallback(&device);
+        messages::warnings(&loaded.warnings);
+        messages::notes(&loaded.notes);
+        messages::dropped(&caster.report().dropped);
+        messages::fallback(&device);
         if let Some(warning) = &caster.report().warning {
-            say::line(&format!("warning: {warning}"));
+            messages::line(&format!("warning: {warning}"));
         }
         if rays.is_rounded() {
-            say::line("note: the rays are float64, and rounded to float32");
+            messages::line("note: the rays are float64, and rounded to float32");
         }
     }
 
@@ -226,18 +226,18 @@ fn save(
 fn conclude(options: &QueryOptions, mut report: Report, save_seconds: f64, total: f64) -> anyhow::Result<()> {
     report.seconds.save = save_seconds;
     if options.json {
-        say::results(&report, true, String::new)?;
+        messages::results(&report, true, String::new)?;
     }
     if !options.quiet {
-        let name = say::output_name(&options.output);
-        say::line(&format!(
+        let name = messages::output_name(&options.output);
+        messages::line(&format!(
             "{name}: {} rays, {} {} on {} in {} (kernels {}, {:.1} million rays a second)",
             report.rays,
             report.hits,
             if matches!(options.mode, Mode::Any | Mode::Closest) { "with a hit" } else { "hits" },
             report.device,
-            say::seconds(total),
-            say::seconds(report.seconds.kernel),
+            messages::seconds(total),
+            messages::seconds(report.seconds.kernel),
             report.million_rays_per_second,
         ));
     }

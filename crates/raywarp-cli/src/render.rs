@@ -15,12 +15,12 @@ use raywarp::write::Outputs;
 use crate::frames;
 use crate::interrupt::Interrupt;
 use crate::limits;
+use crate::messages;
 use crate::options::{RenderOptions, StatsForm};
 use crate::output::{Plan, Results, Target};
 use crate::progress::{Bar, Words};
 use crate::provenance::{digest, Origin};
 use crate::report::{SceneCounts, Seconds, Statistics};
-use crate::say;
 
 /// Renders a scene to files.
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
@@ -40,11 +40,11 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let start = Instant::now();
     let loaded = read(options.scene.as_deref(), options.strict, &mut outputs)?;
     let load_seconds = start.elapsed().as_secs_f64();
-    let wishes = options.wishes().or(&loaded.scene.render);
-    let region = limits::check(render::RenderOptions::from(&wishes).size, options, &plan)?;
-    let stage = Stage::set(options, wishes, &loaded)?;
+    let overrides = options.overrides().or(&loaded.scene.render);
+    let region = limits::check(render::RenderOptions::from(&overrides).size, options, &plan)?;
+    let setup = Setup::set(options, overrides, &loaded)?;
 
-    let shot = Shot { stage: &stage, plan: &plan, camera: &stage.camera };
+    let shot = Shot { setup: &setup, plan: &plan, camera: &setup.camera };
     let mut bar = Bar::new(options.quiet, Words::Render);
     let taken = shot.take(&mut |progress| bar.update(progress.done, Some(progress.total)))?;
     drop(bar);
@@ -52,7 +52,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let target = Target { run: &outputs, interrupt: &interrupt };
     plan.write(&shot.results(&taken, &shot.layers(&taken)?), target, options.quiet)?;
 
-    let mut statistics = stage.statistics(region);
+    let mut statistics = setup.statistics(region);
     statistics.add(&taken);
     statistics.seconds.load = load_seconds;
     statistics.seconds.save = saving.elapsed().as_secs_f64();
@@ -95,18 +95,18 @@ fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: 
     if options.quiet {
         return;
     }
-    say::warnings(&loaded.warnings);
-    say::notes(&loaded.notes);
-    say::dropped(&tracer.report().dropped);
+    messages::warnings(&loaded.warnings);
+    messages::notes(&loaded.notes);
+    messages::dropped(&tracer.report().dropped);
     let aimed = options.camera.eye.is_some() && options.camera.target.is_some() || options.frames.path.is_some();
     for note in tracer.report().notes.iter().filter(|note| !(aimed && note.contains("framed"))) {
-        say::line(&format!("note: {note}"));
+        messages::line(&format!("note: {note}"));
     }
-    say::fallback(device);
+    messages::fallback(device);
 }
 
 /// A scene on a device, with a camera.
-pub struct Stage<'a> {
+pub struct Setup<'a> {
     /// All options.
     pub options: &'a RenderOptions,
     /// The camera that they ask for.
@@ -114,7 +114,7 @@ pub struct Stage<'a> {
     /// The scene, ready.
     pub tracer: Tracer,
     /// What the options and the scene ask for.
-    wishes: RenderDefaults,
+    overrides: RenderDefaults,
     loaded: &'a Loaded,
     /// Of the scene's files.
     digest: u128,
@@ -122,9 +122,9 @@ pub struct Stage<'a> {
     what: Build,
 }
 
-impl<'a> Stage<'a> {
+impl<'a> Setup<'a> {
     /// Builds the tree and says what there is to say about the scene.
-    pub fn set(options: &'a RenderOptions, wishes: RenderDefaults, loaded: &'a Loaded) -> anyhow::Result<Self> {
+    pub fn set(options: &'a RenderOptions, overrides: RenderDefaults, loaded: &'a Loaded) -> anyhow::Result<Self> {
         let viewpoint = options.camera.viewpoint();
         let named = viewpoint.named(&loaded.scene.cameras)?;
         let device = Device::open(options.machine.device)?;
@@ -134,7 +134,7 @@ impl<'a> Stage<'a> {
         say_notes(options, loaded, &device, &tracer);
         let camera = viewpoint.adjust(named.unwrap_or(tracer.default_camera()).clone());
         let digest = digest(&loaded.files);
-        Ok(Self { options, camera, tracer, wishes, loaded, digest, device, what })
+        Ok(Self { options, camera, tracer, overrides, loaded, digest, device, what })
     }
 
     /// Whether the camera's target is a point that somebody chose: a camera of glTF has a direction alone.
@@ -151,7 +151,7 @@ impl<'a> Stage<'a> {
             device: self.device.description(),
             accel: self.what.kind.to_string(),
             size,
-            spp: render::RenderOptions::from(&self.wishes).spp,
+            spp: render::RenderOptions::from(&self.overrides).spp,
             frames: None,
             scene: SceneCounts::new(&self.loaded.scene, report),
             tree: (&report.tree).into(),
@@ -172,7 +172,7 @@ impl<'a> Stage<'a> {
 /// One picture to be taken.
 pub struct Shot<'a> {
     /// Of what.
-    pub stage: &'a Stage<'a>,
+    pub setup: &'a Setup<'a>,
     /// For which files.
     pub plan: &'a Plan,
     /// From where.
@@ -200,7 +200,7 @@ impl Shot<'_> {
     /// Takes it; where statistics are asked for, twice.
     pub fn take(&self, progress: &mut dyn FnMut(Progress)) -> anyhow::Result<Taken> {
         // Counting costs time: where times are asked for, it gets a run of its own.
-        let timed = self.stage.options.stats.is_some();
+        let timed = self.setup.options.stats.is_some();
         let start = Instant::now();
         let rendering = self.render(self.plan.needs_tests() && !timed, progress)?;
         let seconds = start.elapsed().as_secs_f64();
@@ -209,7 +209,7 @@ impl Shot<'_> {
     }
 
     fn render(&self, count_tests: bool, progress: &mut dyn FnMut(Progress)) -> anyhow::Result<Rendering> {
-        Ok(self.stage.tracer.render(self.camera, &self.library_options(count_tests), progress)?)
+        Ok(self.setup.tracer.render(self.camera, &self.library_options(count_tests), progress)?)
     }
 
     /// The layers that the files want.
@@ -217,8 +217,8 @@ impl Shot<'_> {
         let (width, height) = (taken.rendering.picture.width, taken.rendering.picture.height);
         let asked = !self.plan.layers().is_empty();
         let options = self.library_options(false);
-        let surfels = if asked { self.stage.tracer.layers(self.camera, &options)? } else { Vec::new() };
-        Ok(Layers { width, height, surfels, tests: taken.counted().tests.clone() })
+        let first_hits = if asked { self.setup.tracer.layers(self.camera, &options)? } else { Vec::new() };
+        Ok(Layers { width, height, first_hits, tests: taken.counted().tests.clone() })
     }
 
     /// What the files are made of.
@@ -229,21 +229,21 @@ impl Shot<'_> {
     /// What the picture is made of.
     pub fn origin(&self) -> Origin<'_> {
         Origin {
-            scene: self.stage.options.scene.as_deref(),
-            digest: self.stage.digest,
+            scene: self.setup.options.scene.as_deref(),
+            digest: self.setup.digest,
             options: self.library_options(false),
-            development: Development::from(&self.stage.wishes),
+            development: Development::from(&self.setup.overrides),
             camera: self.camera,
             layers: self.plan.layers(),
-            heatmap_max: self.stage.options.heatmap_max,
+            heatmap_max: self.setup.options.heatmap_max,
         }
     }
 
     fn library_options(&self, count_tests: bool) -> render::RenderOptions {
         render::RenderOptions {
-            crop: self.stage.options.crop,
+            crop: self.setup.options.crop,
             count_tests,
-            ..render::RenderOptions::from(&self.stage.wishes)
+            ..render::RenderOptions::from(&self.setup.overrides)
         }
     }
 }
@@ -251,8 +251,8 @@ impl Shot<'_> {
 /// The statistics, where they are asked for.
 pub fn say_statistics(options: &RenderOptions, statistics: &Statistics) -> anyhow::Result<()> {
     match options.stats {
-        Some(StatsForm::Json) => say::results(statistics, true, String::new)?,
-        Some(StatsForm::Table) => say::line(statistics.table().trim_end()),
+        Some(StatsForm::Json) => messages::results(statistics, true, String::new)?,
+        Some(StatsForm::Table) => messages::line(statistics.table().trim_end()),
         None => {}
     }
     Ok(())
@@ -262,13 +262,13 @@ fn conclude(options: &RenderOptions, plan: &Plan, statistics: &Statistics, total
     say_statistics(options, statistics)?;
     if !options.quiet {
         let ([width, height], seconds) = (statistics.size, &statistics.seconds);
-        say::line(&format!(
+        messages::line(&format!(
             "{}: {width}x{height} pixels on {} in {} (rendering {}, kernels {})",
             plan.names(),
             statistics.device,
-            say::seconds(total),
-            say::seconds(seconds.render),
-            say::seconds(seconds.kernel),
+            messages::seconds(total),
+            messages::seconds(seconds.render),
+            messages::seconds(seconds.kernel),
         ));
     }
     Ok(())

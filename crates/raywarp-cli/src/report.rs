@@ -7,8 +7,8 @@ use raywarp::render::{Rendering, Report};
 use raywarp::scene::Scene;
 use serde::Serialize;
 
+use crate::messages;
 use crate::render::Taken;
-use crate::say;
 
 /// Numbers of a run. All times are in seconds.
 #[derive(Debug, Serialize)]
@@ -221,7 +221,7 @@ impl Statistics {
         }
         self.scene_rows(&mut table);
         table.row("tree", format!("{}: {}", self.accel, self.tree.sentence()));
-        table.row("on the device", say::bytes(self.device_bytes));
+        table.row("on the device", messages::bytes(self.device_bytes));
         self.time_rows(&mut table);
         if let Some(tests) = &self.tests {
             table.row("rays", format!("{}, {:.1} million a second", tests.rays, tests.mrays_per_second));
@@ -254,9 +254,9 @@ impl Statistics {
             ("save", seconds.save),
         ];
         for (name, time) in stages {
-            table.row(name, say::seconds(time));
+            table.row(name, messages::seconds(time));
         }
-        table.row("kernels", format!("{} in {} launches", say::seconds(seconds.kernel), self.launches));
+        table.row("kernels", format!("{} in {} launches", messages::seconds(seconds.kernel), self.launches));
     }
 }
 
@@ -271,7 +271,7 @@ impl Tree {
             self.depth,
             self.largest_leaf,
             self.sah_cost,
-            say::bytes(self.bytes)
+            messages::bytes(self.bytes)
         )
     }
 }
@@ -284,6 +284,6 @@ impl Table {
     /// Adds a line.
     pub fn row(&mut self, name: &str, value: impl std::fmt::Display) {
         // A name within may hold line breaks. Writing to a string cannot fail.
-        let _ = writeln!(self.0, "{name:<16}{}", say::text(&value.to_string()));
+        let _ = writeln!(self.0, "{name:<16}{}", messages::text(&value.to_string()));
     }
 }

@@ -10,14 +10,14 @@ use anyhow::Context;
 use raywarp::backend::Device;
 use raywarp::scene::load::{load, EXTENSIONS};
 use raywarp::scene::{LoadError, LoadOptions};
-use raywarp_viewer::live::{Source, Stage};
+use raywarp_viewer::live::{LiveScene, Source};
 use raywarp_viewer::serve::{self, Server, Stopper};
 
 use crate::browser;
 use crate::interrupt::{self, INTERRUPTED};
+use crate::messages;
 use crate::options::{LiveOptions, ServeOptions, ViewOptions};
 use crate::render::limit_threads;
-use crate::say;
 
 pub use secret::advise;
 
@@ -44,11 +44,11 @@ pub fn view(options: &ViewOptions) -> anyhow::Result<()> {
 fn show(server: Server, source: Source, live: &LiveOptions, told: impl FnOnce(&Server)) -> anyhow::Result<()> {
     limit_threads(live.machine.threads)?;
     let device = Device::open(live.machine.device)?;
-    say::fallback(&device);
+    messages::fallback(&device);
     end_on_interrupt(server.stopper());
     announce(&server, source.path.as_deref())?;
     told(&server);
-    server.run(|| Stage::open(source, device, live.stage()))?;
+    server.run(|| LiveScene::open(source, device, live.live_scene()))?;
     std::process::exit(INTERRUPTED)
 }
 
@@ -88,9 +88,9 @@ fn end_on_interrupt(stopper: Stopper) {
 /// The address is the result: it goes to standard output, alone.
 fn announce(server: &Server, scene: Option<&Path>) -> anyhow::Result<()> {
     let scene = scene.map_or("the built-in scene".to_owned(), |path| path.display().to_string());
-    say::line(&format!("{scene} until Ctrl-C, in a browser at"));
-    say::out(format!("{}\n", server.url()).as_bytes())?;
+    messages::line(&format!("{scene} until Ctrl-C, in a browser at"));
+    messages::out(format!("{}\n", server.url()).as_bytes())?;
     let (command, there) = (server.ssh_line(), server.url_through_ssh());
-    say::line(&format!("through ssh: on the machine of the browser run\n{command}\nand open {there} there"));
+    messages::line(&format!("through ssh: on the machine of the browser run\n{command}\nand open {there} there"));
     Ok(())
 }

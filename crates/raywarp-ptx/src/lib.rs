@@ -1,9 +1,9 @@
-//! The PTX entry points: one a kernel of `raywarp-kernels`, and nothing else.
+//! The PTX entry points: one a kernel of `raywarp-core`, and nothing else.
 #![no_std]
 #![feature(abi_ptx)]
 
-use raywarp_kernels::arch;
-use raywarp_kernels::kernels::Kernel;
+use raywarp_core::arch;
+use raywarp_core::kernels::Kernel;
 
 // The compiler asks for one, though a panic becomes a trap where it happens.
 #[panic_handler]
@@ -23,4 +23,4 @@ macro_rules! entry_points {
     )*};
 }
 
-raywarp_kernels::for_each_kernel!(entry_points);
+raywarp_core::for_each_kernel!(entry_points);

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use raywarp::accel::AccelKind;
 use raywarp::render::{RenderOptions, Tracer};
 use raywarp::scene::{load, AlphaMode, LoadOptions, Scene, Viewpoint};
-use raywarp_viewer::live::{Event, Modifiers, Outcome, Row, Source, StageOptions, Value};
+use raywarp_viewer::live::{Event, LiveSceneOptions, Modifiers, Outcome, Row, Source, Value};
 use session::{device, left, pixels, Session, SIZE, SPP};
 
 /// Two things side by side on a floor, below a light.
@@ -86,12 +86,12 @@ impl Place {
         fs::write(self.path(), text).unwrap();
     }
 
-    fn open(&self, options: StageOptions) -> Session {
+    fn open(&self, options: LiveSceneOptions) -> Session {
         Session::open(Source { path: Some(self.path()), ..Source::default() }, options)
     }
 
     fn watched(&self) -> Session {
-        Session::open(Source { path: Some(self.path()), watch: true, ..Source::default() }, StageOptions::default())
+        Session::open(Source { path: Some(self.path()), watch: true, ..Source::default() }, LiveSceneOptions::default())
     }
 }
 
@@ -108,7 +108,7 @@ fn rendered(scene: &Scene) -> Vec<u8> {
 
 impl Session {
     fn row(&self, id: &str) -> Row {
-        let sections = self.viewer.panel(&self.stage).sections;
+        let sections = self.viewer.panel(&self.live_scene).sections;
         let ids: Vec<_> = sections.iter().flat_map(|section| &section.rows).map(|row| row.id.clone()).collect();
         let found = sections.into_iter().flat_map(|section| section.rows).find(|row| row.id == id);
         found.unwrap_or_else(|| panic!("no row {id} among {ids:?}"))
@@ -134,7 +134,7 @@ impl Session {
     }
 
     fn picked(&self, what: &str) -> Option<String> {
-        let lines = self.viewer.status(&self.stage).pick;
+        let lines = self.viewer.status(&self.live_scene).pick;
         lines.into_iter().find(|line| line.0 == what).map(|line| line.1)
     }
 
@@ -144,10 +144,10 @@ impl Session {
         let quiet = Duration::from_millis(900);
         let mut since = Instant::now();
         while since.elapsed() < quiet {
-            assert!(begin.elapsed() < Duration::from_secs(60), "{:?}", self.viewer.status(&self.stage));
-            self.stage.poll();
-            assert!(self.stage.is_ready() || self.stage.busy().is_some(), "{:?}", self.stage.notice());
-            if self.frame().is_some() || self.stage.busy().is_some() || self.viewer.wants_frame(&self.stage) {
+            assert!(begin.elapsed() < Duration::from_secs(60), "{:?}", self.viewer.status(&self.live_scene));
+            self.live_scene.poll();
+            assert!(self.live_scene.is_ready() || self.live_scene.busy().is_some(), "{:?}", self.live_scene.notice());
+            if self.frame().is_some() || self.live_scene.busy().is_some() || self.viewer.wants_frame(&self.live_scene) {
                 since = Instant::now();
             } else {
                 std::thread::sleep(Duration::from_millis(2));
@@ -170,7 +170,7 @@ impl Session {
 #[test]
 fn lights_and_materials_change_and_go_back() {
     let place = Place::new();
-    let mut session = place.open(StageOptions::default());
+    let mut session = place.open(LiveSceneOptions::default());
     let first = session.rest();
     let mut scene = read(&place.path());
     assert!(first == rendered(&scene));
@@ -202,9 +202,9 @@ fn lights_and_materials_change_and_go_back() {
 fn light_goes_through_what_becomes_transparent() {
     let place = Place::new();
     for accel in [None, Some(AccelKind::Kd), Some(AccelKind::Bvh2)] {
-        let mut session = place.open(StageOptions {
-            wishes: raywarp::scene::RenderDefaults { accel, ..Default::default() },
-            ..StageOptions::default()
+        let mut session = place.open(LiveSceneOptions {
+            overrides: raywarp::scene::RenderDefaults { accel, ..Default::default() },
+            ..LiveSceneOptions::default()
         });
         session.rest();
         session.click(0.35, 0.55);
@@ -214,7 +214,7 @@ fn light_goes_through_what_becomes_transparent() {
         let red = &mut scene.materials[0];
         (red.opacity, red.alpha, red.transmission) = (0.25, AlphaMode::Blend, [0.5; 3]);
         assert!(session.rest() == rendered(&scene), "{accel:?}");
-        let built = session.viewer.status(&session.stage).accel;
+        let built = session.viewer.status(&session.live_scene).accel;
         assert!(accel.is_none_or(|kind| built.starts_with(kind.name())), "{built}");
     }
 }
@@ -223,9 +223,9 @@ fn light_goes_through_what_becomes_transparent() {
 fn a_picked_object_follows_the_pointer() {
     let place = Place::new();
     for accel in [None, Some(AccelKind::Bvh2)] {
-        let mut session = place.open(StageOptions {
-            wishes: raywarp::scene::RenderDefaults { accel, ..Default::default() },
-            ..StageOptions::default()
+        let mut session = place.open(LiveSceneOptions {
+            overrides: raywarp::scene::RenderDefaults { accel, ..Default::default() },
+            ..LiveSceneOptions::default()
         });
         let first = session.rest();
         session.click(0.65, 0.55);
@@ -253,7 +253,7 @@ fn a_picked_object_follows_the_pointer() {
         let wrong = moved.iter().zip(&expected).filter(|(a, b)| a.abs_diff(**b) > 2).count();
         // The shift is rounded once more here than in the viewer.
         assert!(moved != first && wrong < moved.len() / 200, "{wrong} of {}", moved.len());
-        let good = session.viewer.status(&session.stage).accel;
+        let good = session.viewer.status(&session.live_scene).accel;
         assert!(good.ends_with("medium"), "{good}");
 
         session.ctrl("z");
@@ -267,7 +267,7 @@ fn a_picked_object_follows_the_pointer() {
 #[test]
 fn a_saved_scene_shows_what_was_saved() {
     let place = Place::new();
-    let mut session = place.open(StageOptions::default());
+    let mut session = place.open(LiveSceneOptions::default());
     session.rest();
     session.set("light.0.intensity", Value::Number(0.5));
     session.set("look.max_depth", Value::Number(1.0));
@@ -278,13 +278,14 @@ fn a_saved_scene_shows_what_was_saved() {
     let shown = session.rest();
     let outcome = session.ctrl("s");
     let [Outcome::File(export)] = &outcome[..] else {
-        panic!("{outcome:?} {:?}", session.viewer.status(&session.stage).notice)
+        panic!("{outcome:?} {:?}", session.viewer.status(&session.live_scene).notice)
     };
     assert_eq!((export.name.as_str(), export.media_type), ("scene-edited.toml", "application/toml"));
     // It names the original from the folder that this program runs in.
     let here = std::env::current_dir().unwrap().join(format!("edits-test-{}.toml", std::process::id()));
     fs::write(&here, export.make().unwrap()).unwrap();
-    let again = Session::open(Source { path: Some(here.clone()), ..Source::default() }, StageOptions::default()).rest();
+    let again =
+        Session::open(Source { path: Some(here.clone()), ..Source::default() }, LiveSceneOptions::default()).rest();
     fs::remove_file(&here).unwrap();
     assert!(again == shown);
 }
@@ -298,8 +299,8 @@ fn a_file_that_changes_is_read_again_and_a_broken_one_leaves_the_picture() {
     let dim = session.rest();
 
     place.write("version = 1\n[[meshes]]\nfile = \"none.obj\"\n");
-    session.until("the error", |session| session.stage.notice().is_some_and(|notice| notice.error));
-    assert!(session.stage.notice().unwrap().text.contains("none.obj"));
+    session.until("the error", |session| session.live_scene.notice().is_some_and(|notice| notice.error));
+    assert!(session.live_scene.notice().unwrap().text.contains("none.obj"));
     assert!(session.rest() == dim, "the last good picture stays");
 
     place.write(
@@ -307,7 +308,7 @@ fn a_file_that_changes_is_read_again_and_a_broken_one_leaves_the_picture() {
             .replace("[0.8, 0.1, 0.1]", "[0.1, 0.8, 0.1]")
             .replace("version = 1", "version = 1\nrender = { max_depth = 3 }"),
     );
-    session.until("the scene again", |session| session.stage.notice().is_none());
+    session.until("the scene again", |session| session.live_scene.notice().is_none());
     let green = session.rest();
     let mut scene = read(&place.path());
     scene.lights[0].color = [0.5; 3];
@@ -322,12 +323,12 @@ fn a_file_that_changes_is_read_again_and_a_broken_one_leaves_the_picture() {
 #[test]
 fn what_is_changed_while_the_scene_is_read_again_counts_once() {
     let place = Place::new();
-    let mut session = place.open(StageOptions::default());
+    let mut session = place.open(LiveSceneOptions::default());
     let first = session.rest();
     session.click(0.65, 0.55);
     session.set("instance.2.translate", Value::Triple([0.5, 0.0, 0.0]));
     session.set("lights.add", Value::Flag(true));
-    session.stage.reload();
+    session.live_scene.reload();
     // Nothing of this has a picture in between: the reading goes on.
     session.set("light.0.intensity", Value::Number(0.5));
     session.set("light.1.intensity", Value::Number(0.25));
@@ -349,26 +350,26 @@ fn what_is_changed_while_the_scene_is_read_again_counts_once() {
 #[test]
 fn a_tree_that_was_begun_before_a_change_does_not_undo_it() {
     let place = Place::new();
-    let mut session = place.open(StageOptions {
-        wishes: raywarp::scene::RenderDefaults { accel: Some(AccelKind::Bvh2), ..Default::default() },
+    let mut session = place.open(LiveSceneOptions {
+        overrides: raywarp::scene::RenderDefaults { accel: Some(AccelKind::Bvh2), ..Default::default() },
         at_once: 0,
-        ..StageOptions::default()
+        ..LiveSceneOptions::default()
     });
-    while !session.stage.is_ready() {
-        session.stage.poll();
+    while !session.live_scene.is_ready() {
+        session.live_scene.poll();
     }
-    assert!(session.stage.busy().is_some_and(|busy| busy.contains("medium")), "the good tree is being built");
+    assert!(session.live_scene.busy().is_some_and(|busy| busy.contains("medium")), "the good tree is being built");
     session.set("material.0.transmission", Value::Triple([0.5; 3]));
     let mut scene = read(&place.path());
     scene.materials[0].transmission = [0.5; 3];
     assert!(session.rest() == rendered(&scene));
-    assert_eq!(session.viewer.status(&session.stage).accel, "bvh2, medium");
+    assert_eq!(session.viewer.status(&session.live_scene).accel, "bvh2, medium");
 }
 
 #[test]
 fn an_object_that_was_flat_for_a_while_comes_back_whole() {
     let place = Place::new();
-    let mut session = place.open(StageOptions::default());
+    let mut session = place.open(LiveSceneOptions::default());
     let first = session.rest();
     session.click(0.65, 0.55);
     // So far away single precision has no room for it.
@@ -381,25 +382,25 @@ fn an_object_that_was_flat_for_a_while_comes_back_whole() {
 #[test]
 fn the_structure_can_be_chosen_and_what_it_cannot_is_told() {
     let place = Place::new();
-    let mut session = place.open(StageOptions::default());
+    let mut session = place.open(LiveSceneOptions::default());
     let first = session.rest();
     session.set("tree.kind", Value::Text("kd".to_owned()));
     assert!(session.rest() == first);
-    assert!(session.viewer.status(&session.stage).accel.starts_with("kd"));
+    assert!(session.viewer.status(&session.live_scene).accel.starts_with("kd"));
     assert!(session.row("tree.kind").changed);
     session.set("tree.kind", Value::Text("oct".to_owned()));
-    let notice = session.viewer.status(&session.stage).notice.unwrap();
+    let notice = session.viewer.status(&session.live_scene).notice.unwrap();
     assert!(notice.error && notice.text.contains("kd"), "{notice:?}");
     session.reset("tree.kind");
-    assert!(session.rest() == first && session.viewer.status(&session.stage).notice.is_none());
+    assert!(session.rest() == first && session.viewer.status(&session.live_scene).notice.is_none());
 }
 
 #[test]
 fn the_first_view_is_the_one_that_is_asked_for() {
     let place = Place::new();
-    let asked = |camera: &str| StageOptions {
+    let asked = |camera: &str| LiveSceneOptions {
         viewpoint: Viewpoint { camera: Some(camera.to_owned()), fov: Some(50.0), ..Viewpoint::default() },
-        ..StageOptions::default()
+        ..LiveSceneOptions::default()
     };
     let mut session = place.open(asked("above"));
     session.rest();
@@ -413,7 +414,7 @@ fn the_first_view_is_the_one_that_is_asked_for() {
     assert_eq!(session.viewer.camera(), Some(&camera));
 
     let mut lost = place.open(asked("below"));
-    lost.until("the failure", |session| session.stage.busy().is_none());
-    let error = lost.stage.take_failure().expect("a failure").to_string();
+    lost.until("the failure", |session| session.live_scene.busy().is_none());
+    let error = lost.live_scene.take_failure().expect("a failure").to_string();
     assert!(error.contains("'below'") && error.contains("1 'above'"), "{error}");
 }

@@ -8,12 +8,12 @@ use raywarp::accel::{AccelKind, Quality};
 use raywarp::image::Development;
 use raywarp::render::{RenderOptions, Tracer};
 use raywarp::scene::{load, Camera, RenderDefaults};
-use raywarp_viewer::live::{Event, Modifiers, Outcome, Source, Stage, StageOptions};
+use raywarp_viewer::live::{Event, LiveScene, LiveSceneOptions, Modifiers, Outcome, Source};
 use raywarp_viewer::ViewerError;
 use session::{developed, device, Session, SIZE, SPP};
 
 impl Session {
-    fn new(options: StageOptions) -> Self {
+    fn new(options: LiveSceneOptions) -> Self {
         Self::open(Source::default(), options)
     }
 }
@@ -28,24 +28,24 @@ fn rendered(camera: Option<&Camera>, options: &RenderOptions, development: &Deve
 
 #[test]
 fn at_rest_the_picture_becomes_that_of_render_to_the_bit() {
-    let mut session = Session::new(StageOptions::default());
+    let mut session = Session::new(LiveSceneOptions::default());
     let last = session.settle().pop().unwrap();
     assert_eq!(last.size, SIZE);
     assert!(last.rgba == rendered(None, &RenderOptions::default(), &Development::default()));
-    let status = session.viewer.status(&session.stage);
+    let status = session.viewer.status(&session.live_scene);
     assert_eq!((status.samples, status.spp, status.settled), (SPP, SPP, true));
     assert!(status.mrays_per_s.unwrap() > 0.0 && status.kernel_ms > 0.0 && status.fetch_ms > 0.0);
     assert!(status.kernel_ms + status.fetch_ms <= status.frame_ms, "{status:?}");
     // Nothing happens: nothing is rendered.
-    assert!(session.frame().is_none() && !session.viewer.wants_frame(&session.stage));
+    assert!(session.frame().is_none() && !session.viewer.wants_frame(&session.live_scene));
 }
 
 #[test]
 fn a_drag_moves_the_camera_and_its_picture_settles_too() {
-    let mut session = Session::new(StageOptions::default());
+    let mut session = Session::new(LiveSceneOptions::default());
     let before = session.settle().pop().unwrap();
     session.drag(0.6);
-    assert!(session.viewer.wants_frame(&session.stage));
+    assert!(session.viewer.wants_frame(&session.live_scene));
     let moving = session.frame().expect("a picture of the camera that moved");
     assert!(!moving.settled);
     session.drop_it();
@@ -59,7 +59,7 @@ fn a_drag_moves_the_camera_and_its_picture_settles_too() {
 
 #[test]
 fn a_held_key_flies_until_it_is_released() {
-    let mut session = Session::new(StageOptions::default());
+    let mut session = Session::new(LiveSceneOptions::default());
     session.settle();
     let eye = |session: &Session| session.viewer.camera().unwrap().eye;
     session.key("w", true);
@@ -78,7 +78,7 @@ fn a_held_key_flies_until_it_is_released() {
 
 #[test]
 fn exposure_develops_the_same_samples_again() {
-    let mut session = Session::new(StageOptions::default());
+    let mut session = Session::new(LiveSceneOptions::default());
     session.settle();
     session.key("+", true);
     let pictures = session.settle();
@@ -92,7 +92,7 @@ fn exposure_develops_the_same_samples_again() {
 
 #[test]
 fn every_view_is_one_key_away_and_costs_have_a_scale() {
-    let mut session = Session::new(StageOptions::default());
+    let mut session = Session::new(LiveSceneOptions::default());
     let picture = session.settle().pop().unwrap();
     let mut seen = vec![picture.rgba.clone()];
     for (key, name) in [
@@ -108,7 +108,7 @@ fn every_view_is_one_key_away_and_costs_have_a_scale() {
         let view = session.settle().pop().unwrap();
         assert!(!seen.contains(&view.rgba), "{name} is like another");
         seen.push(view.rgba.clone());
-        let status = session.viewer.status(&session.stage);
+        let status = session.viewer.status(&session.live_scene);
         let legend = status.legend.expect("a legend");
         assert_eq!((status.view.as_str(), legend.title.is_empty()), (name, false));
         assert_eq!(legend.colors.is_empty(), !["depth", "tests", "load"].contains(&name));
@@ -120,26 +120,26 @@ fn every_view_is_one_key_away_and_costs_have_a_scale() {
 #[test]
 fn a_better_tree_takes_over_without_a_change_of_the_picture() {
     for (accel, quality) in [(None, Quality::High), (Some(AccelKind::Kd), Quality::Medium)] {
-        let mut session = Session::new(StageOptions {
-            wishes: RenderDefaults { accel, tree: Some(quality), ..RenderDefaults::default() },
+        let mut session = Session::new(LiveSceneOptions {
+            overrides: RenderDefaults { accel, tree: Some(quality), ..RenderDefaults::default() },
             at_once: 0,
-            ..StageOptions::default()
+            ..LiveSceneOptions::default()
         });
         let first = session.settle().pop().unwrap();
         let begin = Instant::now();
-        while session.stage.busy().is_some() {
-            session.stage.poll();
+        while session.live_scene.busy().is_some() {
+            session.live_scene.poll();
             assert!(begin.elapsed() < Duration::from_secs(60));
             assert!(session.frame().is_none_or(|picture| picture.rgba == first.rgba));
         }
-        let accel = session.viewer.status(&session.stage).accel;
+        let accel = session.viewer.status(&session.live_scene).accel;
         assert!(accel.contains(&quality.to_string()), "{accel}");
     }
 }
 
 #[test]
 fn keys_ask_for_files_texts_and_the_end() {
-    let mut session = Session::new(StageOptions::default());
+    let mut session = Session::new(LiveSceneOptions::default());
     assert!(session.key("F12", true).is_empty(), "there is no picture yet");
     let picture = session.settle().pop().unwrap();
     let asked = session.key("F12", true);
@@ -156,14 +156,14 @@ fn keys_ask_for_files_texts_and_the_end() {
 
 #[test]
 fn a_viewer_has_one_file_on_its_way() {
-    let mut session = Session::new(StageOptions::default());
+    let mut session = Session::new(LiveSceneOptions::default());
     session.settle();
     let mut asked = session.key("F12", true);
     let Some(Outcome::File(export)) = asked.pop() else { panic!("{asked:?}") };
     let ticket = export.ticket();
     drop(export);
     assert!(session.key("F12", true).is_empty(), "it is made, and not yet where it belongs");
-    let notice = session.viewer.status(&session.stage).notice.unwrap();
+    let notice = session.viewer.status(&session.live_scene).notice.unwrap();
     assert!(notice.error && notice.text.contains("still on its way"), "{notice:?}");
     drop(ticket);
     assert!(matches!(session.key("F12", true)[..], [Outcome::File(_)]));
@@ -172,21 +172,21 @@ fn a_viewer_has_one_file_on_its_way() {
 #[test]
 fn a_scene_that_cannot_be_read_is_a_notice() {
     let source = Source { path: Some("no-such-scene.obj".into()), ..Source::default() };
-    let mut stage = Stage::open(source, device(), StageOptions::default());
+    let mut live_scene = LiveScene::open(source, device(), LiveSceneOptions::default());
     let begin = Instant::now();
-    while stage.busy().is_some() {
+    while live_scene.busy().is_some() {
         assert!(begin.elapsed() < Duration::from_secs(10));
-        stage.poll();
+        live_scene.poll();
     }
-    assert!(matches!(stage.take_failure(), Some(ViewerError::Load(_))));
-    let notice = stage.notice().expect("a notice");
+    assert!(matches!(live_scene.take_failure(), Some(ViewerError::Load(_))));
+    let notice = live_scene.notice().expect("a notice");
     assert!(notice.error && notice.text.contains("no-such-scene.obj"), "{notice:?}");
-    assert!(!stage.is_ready());
+    assert!(!live_scene.is_ready());
 }
 
 #[test]
 fn any_size_can_be_asked_for() {
-    let mut session = Session::new(StageOptions::default());
+    let mut session = Session::new(LiveSceneOptions::default());
     session.settle();
     for [width, height] in [[1, 1], [0, 7], [301, 2]] {
         session.handle(Event::Resize { width, height });

@@ -16,12 +16,12 @@ use tungstenite::{Error, Message};
 /// What the core shows once nothing more is coming.
 fn settled_pixels() -> Vec<u8> {
     let directory = tempfile::tempdir().unwrap();
-    let mut stage = own_stage(&directory);
+    let mut live_scene = own_stage(&directory);
     let mut viewer = Viewer::new(SIZE);
     let start = Instant::now();
     while start.elapsed() < LONG {
-        stage.poll();
-        match viewer.frame(&mut stage, start.elapsed()).unwrap() {
+        live_scene.poll();
+        match viewer.frame(&mut live_scene, start.elapsed()).unwrap() {
             Some(picture) if picture.settled => return picture.rgba.clone(),
             _ => {}
         }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use raywarp_viewer::live::{Event, Export, Notice, Outcome, Picture, Stage, Status, Viewer};
+use raywarp_viewer::live::{Event, Export, LiveScene, Notice, Outcome, Picture, Status, Viewer};
 use winit::application::ApplicationHandler;
 use winit::event::{ElementState, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow};
@@ -25,7 +25,7 @@ const NOTICE: Duration = Duration::from_secs(6);
 
 /// The viewer and its window.
 pub struct App {
-    stage: Stage,
+    live_scene: LiveScene,
     viewer: Viewer,
     options: WindowOptions,
     start: Instant,
@@ -63,9 +63,9 @@ struct Shown {
 
 impl App {
     /// Without a window yet.
-    pub fn new(stage: Stage, viewer: Viewer, options: WindowOptions) -> Self {
+    pub fn new(live_scene: LiveScene, viewer: Viewer, options: WindowOptions) -> Self {
         Self {
-            stage,
+            live_scene,
             viewer,
             options,
             start: Instant::now(),
@@ -87,7 +87,7 @@ impl App {
     /// # Errors
     /// [`WindowError::Viewer`] if it has; later failures are shown over the picture that there is.
     pub fn check(&mut self) -> Result<(), WindowError> {
-        self.stage.take_failure().map_or(Ok(()), |error| Err(error.into()))
+        self.live_scene.take_failure().map_or(Ok(()), |error| Err(error.into()))
     }
 
     /// Why the loop ended, if not by people.
@@ -96,7 +96,7 @@ impl App {
     }
 
     fn title(&self) -> String {
-        format!("{} - raywarp", self.stage.name())
+        format!("{} - raywarp", self.live_scene.name())
     }
 
     fn open(&mut self, events: &ActiveEventLoop) -> Result<(), WindowError> {
@@ -130,7 +130,7 @@ impl App {
 
     /// Hands an event to the core and carries out what it asks for.
     fn tell(&mut self, event: &Event) {
-        for outcome in self.viewer.handle(&mut self.stage, event) {
+        for outcome in self.viewer.handle(&mut self.live_scene, event) {
             self.carry_out(outcome);
         }
     }
@@ -153,7 +153,7 @@ impl App {
             Ok(content) => content,
             Err(error) => return Notice { text: error.to_string(), error: true },
         };
-        match (self.options.keep)(&export.name, &content, self.stage.files()) {
+        match (self.options.keep)(&export.name, &content, self.live_scene.files()) {
             Ok(path) => Notice { text: format!("kept as {}", path.display()), error: false },
             Err(error) => Notice { text: error.to_string(), error: true },
         }
@@ -212,8 +212,8 @@ impl App {
     fn draw(&mut self) -> Result<(), WindowError> {
         self.shown.asked = false;
         let Some(open) = &mut self.open else { return Ok(()) };
-        let status = self.viewer.status(&self.stage);
-        let panel = status.panel.then(|| self.viewer.panel(&self.stage));
+        let status = self.viewer.status(&self.live_scene);
+        let panel = status.panel.then(|| self.viewer.panel(&self.live_scene));
         let notice = self.notice.as_ref().map(|(notice, _)| notice.clone());
         let content = Content {
             status: &status,
@@ -243,14 +243,14 @@ impl App {
     fn turn(&mut self) -> Result<(), WindowError> {
         // What was rendered is shown first: Wayland asks for no more drawings than the screen can show.
         if self.shown.asked {
-            self.stage.poll();
-        } else if let Some(picture) = self.viewer.frame(&mut self.stage, self.start.elapsed())? {
+            self.live_scene.poll();
+        } else if let Some(picture) = self.viewer.frame(&mut self.live_scene, self.start.elapsed())? {
             self.picture = Some(picture);
             self.ask();
         }
         self.check()?;
         self.notice.take_if(|(_, since)| since.elapsed() > NOTICE);
-        let status = self.viewer.status(&self.stage);
+        let status = self.viewer.status(&self.live_scene);
         self.refresh_lines(&status);
         let notice = self.notice.as_ref().map(|(notice, _)| notice);
         let due = self.shown.again.is_some_and(|again| again <= Instant::now());
@@ -279,7 +279,7 @@ impl App {
     }
 
     fn wait(&self) -> ControlFlow {
-        if !self.shown.asked && self.viewer.wants_frame(&self.stage) {
+        if !self.shown.asked && self.viewer.wants_frame(&self.live_scene) {
             return ControlFlow::Poll;
         }
         let idle = Instant::now() + IDLE;

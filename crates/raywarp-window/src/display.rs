@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use raywarp::write::WriteError;
-use raywarp_viewer::live::{Stage, Viewer};
+use raywarp_viewer::live::{LiveScene, Viewer};
 use winit::event_loop::EventLoop;
 
 use crate::app::App;
@@ -48,9 +48,9 @@ impl Display {
     ///
     /// # Errors
     /// [`WindowError`] where the display or the device fails, and where the first scene cannot be shown.
-    pub fn show(self, mut stage: Stage, viewer: Viewer, options: WindowOptions) -> Result<(), WindowError> {
-        wait_for(&mut stage);
-        let mut app = App::new(stage, viewer, options);
+    pub fn show(self, mut live_scene: LiveScene, viewer: Viewer, options: WindowOptions) -> Result<(), WindowError> {
+        wait_for(&mut live_scene);
+        let mut app = App::new(live_scene, viewer, options);
         app.check()?;
         let ran = self.events.run_app(&mut app);
         app.take_error().map_or(Ok(()), Err)?;
@@ -58,10 +58,10 @@ impl Display {
     }
 }
 
-fn wait_for(stage: &mut Stage) {
+fn wait_for(live_scene: &mut LiveScene) {
     let start = Instant::now();
-    while stage.busy().is_some() && start.elapsed() < PATIENCE {
+    while live_scene.busy().is_some() && start.elapsed() < PATIENCE {
         std::thread::sleep(Duration::from_millis(2));
-        stage.poll();
+        live_scene.poll();
     }
 }

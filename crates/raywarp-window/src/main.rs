@@ -35,8 +35,8 @@ use raywarp::backend::Device;
 use raywarp_cli::interrupt::Interrupt;
 use raywarp_cli::options::ViewOptions;
 use raywarp_cli::render::limit_threads;
-use raywarp_cli::{failure, say};
-use raywarp_viewer::live::{Stage, Viewer};
+use raywarp_cli::{failure, messages};
+use raywarp_viewer::live::{LiveScene, Viewer};
 
 use display::{Display, WindowOptions};
 use error::WindowError;
@@ -64,14 +64,14 @@ fn run(options: &ViewOptions) -> anyhow::Result<()> {
     limit_threads(options.live.machine.threads)?;
 
     let device = Device::open(options.live.machine.device)?;
-    say::fallback(&device);
-    let stage = Stage::open(options.source(), device, options.live.stage());
+    messages::fallback(&device);
+    let live_scene = LiveScene::open(options.source(), device, options.live.live_scene());
     let keep = move |name: &str, content: &[u8], files: &[PathBuf]| {
         let _held = interrupt.hold();
         keep::keep(&folder, name, content, files)
     };
     let window = WindowOptions { size: options.size, fullscreen: options.fullscreen, keep: Box::new(keep) };
-    display.show(stage, Viewer::new(options.size), window).map_err(cause)
+    display.show(live_scene, Viewer::new(options.size), window).map_err(cause)
 }
 
 /// What the viewer says, where it is that: the exit code depends on it.

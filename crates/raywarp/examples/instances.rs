@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use raywarp::accel::instanced::{build, Placement};
+use raywarp::accel::two_level::{build, Placement};
 use raywarp::accel::Quality;
 use raywarp::backend::{Device, DeviceChoice};
 use raywarp::query::RayCaster;

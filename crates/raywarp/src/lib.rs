@@ -27,6 +27,6 @@ pub mod render;
 pub use raywarp_scene as scene;
 pub use raywarp_scene::write;
 
-pub use raywarp_kernels::math::Vec3;
-pub use raywarp_kernels::ray::{Hit, Ray, MISS};
-pub use raywarp_kernels::triangle::Triangle;
+pub use raywarp_core::math::Vec3;
+pub use raywarp_core::ray::{Hit, Ray, MISS};
+pub use raywarp_core::triangle::Triangle;

@@ -3,19 +3,19 @@
 use raywarp::accel::brute::Brute;
 use raywarp::accel::bvh2::Bvh2;
 use raywarp::accel::kdtree::KdTree;
-use raywarp_kernels::math::{vec3, Vec3};
-use raywarp_kernels::ray::{Ray, MISS};
-use raywarp_kernels::traverse::{bvh2, closest, kdtree, occlusion, Structure, Tests, START};
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::math::{vec3, Vec3};
+use raywarp_core::ray::{Ray, MISS};
+use raywarp_core::traversal::{bvh2, closest, kdtree, occlusion, Structure, Tests, START};
+use raywarp_core::triangle::Triangle;
 
-/// Four triangles across the x axis, at 0, 1, 2 and 3.
+/// TrianglePacket triangles across the x axis, at 0, 1, 2 and 3.
 fn row() -> Vec<Triangle> {
     let corner = |x, y, z| vec3(x, y, z);
-    let across = |i| {
+    let shear = |i| {
         let x = i as f32;
         Triangle::new(corner(x, -1.0, -1.0), corner(x, 1.0, -1.0), corner(x, 0.0, 1.0), i, 0)
     };
-    (0..4).map(across).collect()
+    (0..4).map(shear).collect()
 }
 
 const MARGIN: f32 = 0.125;

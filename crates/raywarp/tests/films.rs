@@ -37,7 +37,7 @@ fn screen(device: &Device, film: &Film) -> Vec<[u8; 3]> {
 fn exposed(device: &Device, tracer: &Tracer, seconds: f64) -> Film {
     let mut film = Film::new(device, SIZE).unwrap();
     let mut steps = 0;
-    while !tracer.expose(&mut film, tracer.default_camera(), &options(), seconds).unwrap().complete {
+    while !tracer.accumulate(&mut film, tracer.default_camera(), &options(), seconds).unwrap().complete {
         steps += 1;
         assert!(steps < 10_000);
     }
@@ -58,11 +58,11 @@ fn a_film_becomes_the_png_of_the_same_samples_in_steps_of_any_length() {
             Development { exposure: -0.7, tone_map: ToneMap::Filmic },
             Development { exposure: 3.0, tone_map: ToneMap::Clamp },
         ] {
-            let expected = png::develop(&picture, &development).pixels;
+            let expected = png::tone_map_film(&picture, &development).pixels;
             for seconds in [0.0, 1e-3, 10.0] {
                 let mut film = exposed(&device, &tracer, seconds);
                 assert_eq!(film.samples(), 5);
-                film.develop(&development, None).unwrap();
+                film.tone_map_film(&development, None).unwrap();
                 assert!(screen(&device, &film) == expected, "{seconds} s a step on {}", device.description());
             }
         }
@@ -75,10 +75,10 @@ fn before_its_first_sample_a_pixel_shows_the_film_below() {
         let tracer = Tracer::new(&scene(), bvh2(Quality::Fast), &device).unwrap();
         let mut below = Film::new(&device, [9, 7]).unwrap();
         let options = RenderOptions { spp: 1, ..options() };
-        while !tracer.expose(&mut below, tracer.default_camera(), &options, 1.0).unwrap().complete {}
-        below.develop(&Development::default(), None).unwrap();
+        while !tracer.accumulate(&mut below, tracer.default_camera(), &options, 1.0).unwrap().complete {}
+        below.tone_map_film(&Development::default(), None).unwrap();
         let mut film = Film::new(&device, SIZE).unwrap();
-        film.develop(&Development::default(), Some(&below)).unwrap();
+        film.tone_map_film(&Development::default(), Some(&below)).unwrap();
         let (small, large) = (screen(&device, &below), screen(&device, &film));
         for (index, pixel) in large.iter().enumerate() {
             let (x, y) = (index as u32 % SIZE[0], index as u32 / SIZE[0]);
@@ -89,8 +89,8 @@ fn before_its_first_sample_a_pixel_shows_the_film_below() {
         // One step exposes rows from the top; the others stay as they were.
         let mut part = Film::new(&device, SIZE).unwrap();
         part.learn(1.0);
-        tracer.expose(&mut part, tracer.default_camera(), &options, 1e-9).unwrap();
-        part.develop(&Development::default(), Some(&below)).unwrap();
+        tracer.accumulate(&mut part, tracer.default_camera(), &options, 1e-9).unwrap();
+        part.tone_map_film(&Development::default(), Some(&below)).unwrap();
         let rows = 16 * SIZE[0] as usize;
         assert!(screen(&device, &part)[rows..] == large[rows..]);
         assert!(screen(&device, &part)[..rows] != large[..rows]);
@@ -171,9 +171,9 @@ fn painted_quantities_are_those_of_the_layers_and_counts() {
         let tracer = Tracer::new(&scene(), bvh2(Quality::Fast), &device).unwrap();
         let camera = tracer.default_camera();
         let options = RenderOptions { count_tests: true, spp: 1, ..options() };
-        let surfels = tracer.layers(camera, &options).unwrap();
+        let first_hits = tracer.layers(camera, &options).unwrap();
         let tests = tracer.render(camera, &options, &mut |_| ()).unwrap().tests;
-        let layers = Layers { width: SIZE[0], height: SIZE[1], surfels, tests };
+        let layers = Layers { width: SIZE[0], height: SIZE[1], first_hits, tests };
         let mut film = Film::new(&device, SIZE).unwrap();
         for (quantity, layer) in [
             (Quantity::Normal, Layer::Normal),
@@ -183,12 +183,12 @@ fn painted_quantities_are_those_of_the_layers_and_counts() {
             (Quantity::Material, Layer::Material),
             (Quantity::Tests, Layer::Tests),
         ] {
-            tracer.paint(&mut film, camera, &options, quantity, None).unwrap();
+            tracer.draw_aov(&mut film, camera, &options, quantity, None).unwrap();
             let pixels = false_color::draw(&layers, layer).unwrap().0.pixels;
             let count = (SIZE[0] * SIZE[1]) as usize;
             assert!(screen(&device, &film)[..] == pixels[..count], "{layer} on {}", device.description());
         }
-        let painted = tracer.paint(&mut film, camera, &options, Quantity::Ticks, None).unwrap();
+        let painted = tracer.draw_aov(&mut film, camera, &options, Quantity::Ticks, None).unwrap();
         assert!(painted.range[1] > 0.0, "every thread takes time");
     }
 }

@@ -11,7 +11,7 @@ use raywarp::backend::{Device, DeviceChoice};
 use raywarp::query::{device, QueryError, RayCaster};
 use raywarp::scene::{Instance, Mesh, Scene, Transform};
 use raywarp::{Hit, Ray, Triangle, Vec3, MISS};
-use raywarp_kernels::triangle::Across;
+use raywarp_core::triangle::RayShear;
 
 fn cpu() -> Device {
     Device::open(DeviceChoice::Cpu).expect("there always is a CPU")
@@ -28,8 +28,8 @@ fn oracle(triangles: &[Triangle], ray: &Ray) -> Vec<[u32; 4]> {
         return Vec::new();
     }
     let within = |hit: &Hit| hit.t >= ray.t_min && hit.t <= ray.t_max && hit.t.is_finite();
-    let across = Across::new(ray);
-    let mut hits: Vec<_> = triangles.iter().filter_map(|triangle| triangle.intersect(&across)).filter(within).collect();
+    let shear = RayShear::new(ray);
+    let mut hits: Vec<_> = triangles.iter().filter_map(|triangle| triangle.intersect(&shear)).filter(within).collect();
     hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
     hits.dedup_by(|a, b| a.t == b.t && a.primitive == b.primitive);
     // Where -0 and 0 meet, the primitive decides.

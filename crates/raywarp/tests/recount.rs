@@ -5,16 +5,16 @@ use raywarp::accel::kdtree::KdTree;
 use raywarp::accel::{Accel, AccelKind, Build, Quality};
 use raywarp::query::{tests, RayKind, RaySource};
 use raywarp::Ray;
-use raywarp_kernels::ray::Hit;
-use raywarp_kernels::traverse::binary::Boxes;
-use raywarp_kernels::traverse::bvh2::{Full, ANY};
-use raywarp_kernels::traverse::Tests;
-use raywarp_kernels::triangle::{Across, Triangle};
+use raywarp_core::ray::Hit;
+use raywarp_core::traversal::binary::Boxes;
+use raywarp_core::traversal::bvh2::{Full, ANY};
+use raywarp_core::traversal::Tests;
+use raywarp_core::triangle::{RayShear, Triangle};
 
 /// A ray that looks for its closest hit.
 struct Reference<'a> {
     ray: &'a Ray,
-    across: Across,
+    shear: RayShear,
     best: Hit,
     counts: Tests,
 }
@@ -22,12 +22,12 @@ struct Reference<'a> {
 impl<'a> Reference<'a> {
     fn new(ray: &'a Ray) -> Self {
         let best = Hit { t: ray.t_max, ..Hit::NONE };
-        Self { ray, across: Across::new(ray), best, counts: Tests::default() }
+        Self { ray, shear: RayShear::new(ray), best, counts: Tests::default() }
     }
 
     fn test(&mut self, triangle: &Triangle) {
         self.counts.triangles += 1;
-        if let Some(hit) = triangle.intersect(&self.across) {
+        if let Some(hit) = triangle.intersect(&self.shear) {
             if hit.t >= self.ray.t_min && hit.precedes(&self.best) {
                 self.best = hit;
             }
@@ -36,7 +36,7 @@ impl<'a> Reference<'a> {
 
     /// Below a link of a hierarchy: the nearer child first; the other one whatever has been found meanwhile, as a stack
     /// that keeps no distances must.
-    fn hierarchy(&mut self, tree: &Bvh2, boxes: &Full<ANY>, link: raywarp_kernels::traverse::bvh2::Child) {
+    fn hierarchy(&mut self, tree: &Bvh2, boxes: &Full<ANY>, link: raywarp_core::traversal::bvh2::Child) {
         if link.is_leaf() {
             let (first, count) = (link.index() as usize, link.count() as usize);
             tree.triangles()[first..first + count].iter().for_each(|triangle| self.test(triangle));
@@ -46,7 +46,7 @@ impl<'a> Reference<'a> {
         let mut children = boxes.children(link.index(), self.ray.t_min, self.best.t);
         children.sort_by(|a, b| a.first.total_cmp(&b.first));
         for child in children.iter().filter(|child| child.first <= child.last) {
-            self.hierarchy(tree, boxes, raywarp_kernels::traverse::bvh2::Child::of_bits(child.link));
+            self.hierarchy(tree, boxes, raywarp_core::traversal::bvh2::Child::of_bits(child.link));
         }
     }
 
@@ -108,7 +108,7 @@ fn hierarchies_are_counted_exactly() {
         let view = unsafe { tree.view().get() };
         for (ray, counted) in rays.iter().zip(tests(&accel, &rays, false, usize::MAX)) {
             let mut reference = Reference::new(ray);
-            reference.hierarchy(tree, &Full::new(&view, ray), raywarp_kernels::traverse::bvh2::Child::node(0));
+            reference.hierarchy(tree, &Full::new(&view, ray), raywarp_core::traversal::bvh2::Child::node(0));
             assert_eq!([counted.nodes, counted.triangles], [reference.counts.nodes, reference.counts.triangles]);
         }
     }

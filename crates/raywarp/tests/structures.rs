@@ -5,10 +5,10 @@ mod common;
 use common::{every_structure, ray, scene, Numbers, AIMS, FAMILIES};
 use proptest::prelude::*;
 use raywarp::accel::{Accel, AccelKind};
-use raywarp_kernels::math::{vec3, Vec3};
-use raywarp_kernels::ray::{Hit, Ray, MISS};
-use raywarp_kernels::traverse::{Occlusion, Uncounted, START};
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::math::{vec3, Vec3};
+use raywarp_core::ray::{Hit, Ray, MISS};
+use raywarp_core::traversal::{NullStatistics, Occlusion, START};
+use raywarp_core::triangle::Triangle;
 
 /// The bits, so that equal means equal.
 fn bits(hit: Hit) -> [u32; 4] {
@@ -19,9 +19,9 @@ fn bits(hit: Hit) -> [u32; 4] {
 fn agree(structures: &[Accel], ray: &Ray) -> Result<(), String> {
     let mut previous = START;
     for _ in 0..4 {
-        let truth = structures[0].closest(ray, &previous, &mut Uncounted);
+        let truth = structures[0].closest(ray, &previous, &mut NullStatistics);
         for structure in &structures[1..] {
-            let found = structure.closest(ray, &previous, &mut Uncounted);
+            let found = structure.closest(ray, &previous, &mut NullStatistics);
             if bits(found) != bits(truth) {
                 return Err(format!("{}: {found:?}, not {truth:?}, along {ray:?}", structure.kind()));
             }
@@ -31,8 +31,8 @@ fn agree(structures: &[Accel], ray: &Ray) -> Result<(), String> {
             break;
         }
     }
-    let truth = structures[0].occlusion(ray, &mut Uncounted);
-    match structures.iter().find(|structure| structure.occlusion(ray, &mut Uncounted) != truth) {
+    let truth = structures[0].occlusion(ray, &mut NullStatistics);
+    match structures.iter().find(|structure| structure.occlusion(ray, &mut NullStatistics) != truth) {
         Some(structure) => Err(format!("{}: not {truth:?} along {ray:?}", structure.kind())),
         None => Ok(()),
     }
@@ -87,7 +87,12 @@ fn rays_in_a_face_of_the_bounds_are_not_lost() {
         for structure in every_structure(&[triangle]) {
             for zero in [0.0, -0.0] {
                 let ray = Ray::new(vec3(axis, 0.5, 5.0), vec3(zero, 0.0, -1.0));
-                assert_eq!(structure.closest(&ray, &START, &mut Uncounted).t, 5.0, "{} at {axis}", structure.kind());
+                assert_eq!(
+                    structure.closest(&ray, &START, &mut NullStatistics).t,
+                    5.0,
+                    "{} at {axis}",
+                    structure.kind()
+                );
             }
         }
     }
@@ -102,8 +107,8 @@ fn an_empty_scene_is_missed_by_every_ray() {
             let ray = Ray::new(origin, direction);
             for structure in &structures {
                 assert_eq!(structure.validate(), Ok(()));
-                assert_eq!(structure.closest(&ray, &START, &mut Uncounted).primitive, MISS);
-                assert_eq!(structure.occlusion(&ray, &mut Uncounted), Occlusion::Clear);
+                assert_eq!(structure.closest(&ray, &START, &mut NullStatistics).primitive, MISS);
+                assert_eq!(structure.occlusion(&ray, &mut NullStatistics), Occlusion::Clear);
             }
         }
     }
@@ -119,7 +124,7 @@ fn extreme_scales_agree() {
             let scale = scale / t.extent.max(1e-20);
             Triangle::new(t.v0 * scale, t.v1 * scale, t.v2 * scale, t.primitive, 0)
         });
-        let triangles = raywarp::accel::sift(scaled.collect()).0;
+        let triangles = raywarp::accel::drop_degenerate(scaled.collect()).0;
         let structures = every_structure(&triangles);
         for structure in &structures {
             assert_eq!(structure.validate(), Ok(()), "{scale:e}");

@@ -10,10 +10,10 @@ use std::collections::HashMap;
 use common::{every_structure, Numbers};
 use rayon::prelude::*;
 use raywarp::accel::{Accel, AccelKind};
-use raywarp_kernels::math::{vec3, Vec3};
-use raywarp_kernels::ray::Ray;
-use raywarp_kernels::traverse::{Occlusion, Uncounted};
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::math::{vec3, Vec3};
+use raywarp_core::ray::Ray;
+use raywarp_core::traversal::{NullStatistics, Occlusion};
+use raywarp_core::triangle::Triangle;
 
 /// A closed surface, star-shaped around a point inside.
 struct Solid {
@@ -224,7 +224,7 @@ type Aim = fn(&Seams, &mut Numbers) -> Option<Ray>;
 fn lost(seams: &Seams, accel: &Accel, rays: u64, aim: Aim) -> (usize, usize) {
     let trace = |seed: u64| {
         let ray = aim(seams, &mut Numbers(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)))?;
-        Some((1, (accel.occlusion(&ray, &mut Uncounted) == Occlusion::Clear) as usize))
+        Some((1, (accel.occlusion(&ray, &mut NullStatistics) == Occlusion::Clear) as usize))
     };
     (0..rays).into_par_iter().filter_map(trace).reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1))
 }

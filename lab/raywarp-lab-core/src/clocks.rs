@@ -1,7 +1,7 @@
 //! Where a thread's time goes.
 
-use raywarp_kernels::arch;
-use raywarp_kernels::traverse::{Counter, Kept, Stage};
+use raywarp_core::arch;
+use raywarp_core::traversal::{Counter, RecordedStatistics, Stage};
 
 /// A clock that is read wherever a stage begins. What it measures on a GPU is the time that passes while the thread is in
 /// the stage, waiting for other threads of its warp included.
@@ -46,7 +46,7 @@ impl Counter for Clocks {
     }
 }
 
-impl Kept for Clocks {
+impl RecordedStatistics for Clocks {
     const COUNTS: bool = true;
     const SUFFIX: &'static str = "_clocked";
     type Record = StageTimes;

@@ -1,8 +1,8 @@
 //! What of the laboratory can be launched: kernels of the product over structures that it does not have, and kernels of its
 //! own.
 
-use raywarp_kernels::kernels::{Kernel, Thread};
-use raywarp_kernels::view::Plain;
+use raywarp_core::kernels::{Kernel, Thread};
+use raywarp_core::view::Plain;
 
 /// Gives `$use` the list of the laboratory's kernels with the names of their entry points. Its PTX has these and no others.
 #[macro_export]
@@ -10,51 +10,51 @@ macro_rules! for_each_lab_kernel {
     ($use:ident) => {
         $crate::for_each_own_kernel! {
             $use,
-            whitted_kdtrail: $crate::product::kernels::Whitted<$crate::structures::KdTrail, $crate::product::traverse::Uncounted>,
-            whitted_bvh4: $crate::product::kernels::Whitted<$crate::structures::Bvh4, $crate::product::traverse::Uncounted>,
-            whitted_bvh8: $crate::product::kernels::Whitted<$crate::structures::Bvh8, $crate::product::traverse::Uncounted>,
-            whitted_bvh8w: $crate::product::kernels::Whitted<$crate::structures::Bvh8w, $crate::product::traverse::Uncounted>,
-            whitted_bvh8f: $crate::product::kernels::Whitted<$crate::product::traverse::Bvh8f, $crate::product::traverse::Uncounted>,
-            whitted_staged: $crate::product::kernels::Whitted<$crate::structures::Staged, $crate::product::traverse::Uncounted>,
-            whitted_kdtrail_counted: $crate::product::kernels::Whitted<$crate::structures::KdTrail, $crate::product::traverse::Tests>,
-            whitted_bvh4_counted: $crate::product::kernels::Whitted<$crate::structures::Bvh4, $crate::product::traverse::Tests>,
-            whitted_bvh8_counted: $crate::product::kernels::Whitted<$crate::structures::Bvh8, $crate::product::traverse::Tests>,
-            whitted_bvh8w_counted: $crate::product::kernels::Whitted<$crate::structures::Bvh8w, $crate::product::traverse::Tests>,
-            whitted_bvh8f_counted: $crate::product::kernels::Whitted<$crate::product::traverse::Bvh8f, $crate::product::traverse::Tests>,
-            whitted_staged_counted: $crate::product::kernels::Whitted<$crate::structures::Staged, $crate::product::traverse::Tests>,
-            surfels_kdtrail: $crate::product::kernels::Surfels<$crate::structures::KdTrail>,
-            surfels_bvh4: $crate::product::kernels::Surfels<$crate::structures::Bvh4>,
-            surfels_bvh8: $crate::product::kernels::Surfels<$crate::structures::Bvh8>,
-            surfels_bvh8w: $crate::product::kernels::Surfels<$crate::structures::Bvh8w>,
-            surfels_bvh8f: $crate::product::kernels::Surfels<$crate::product::traverse::Bvh8f>,
-            surfels_staged: $crate::product::kernels::Surfels<$crate::structures::Staged>,
+            whitted_kdtrail: $crate::product::kernels::Whitted<$crate::structures::KdTrail, $crate::product::traversal::NullStatistics>,
+            whitted_bvh4: $crate::product::kernels::Whitted<$crate::structures::Bvh4, $crate::product::traversal::NullStatistics>,
+            whitted_bvh8: $crate::product::kernels::Whitted<$crate::structures::Bvh8, $crate::product::traversal::NullStatistics>,
+            whitted_bvh8w: $crate::product::kernels::Whitted<$crate::structures::Bvh8w, $crate::product::traversal::NullStatistics>,
+            whitted_bvh8f: $crate::product::kernels::Whitted<$crate::product::traversal::Bvh8f, $crate::product::traversal::NullStatistics>,
+            whitted_staged: $crate::product::kernels::Whitted<$crate::structures::Staged, $crate::product::traversal::NullStatistics>,
+            whitted_kdtrail_counted: $crate::product::kernels::Whitted<$crate::structures::KdTrail, $crate::product::traversal::Tests>,
+            whitted_bvh4_counted: $crate::product::kernels::Whitted<$crate::structures::Bvh4, $crate::product::traversal::Tests>,
+            whitted_bvh8_counted: $crate::product::kernels::Whitted<$crate::structures::Bvh8, $crate::product::traversal::Tests>,
+            whitted_bvh8w_counted: $crate::product::kernels::Whitted<$crate::structures::Bvh8w, $crate::product::traversal::Tests>,
+            whitted_bvh8f_counted: $crate::product::kernels::Whitted<$crate::product::traversal::Bvh8f, $crate::product::traversal::Tests>,
+            whitted_staged_counted: $crate::product::kernels::Whitted<$crate::structures::Staged, $crate::product::traversal::Tests>,
+            first_hits_kdtrail: $crate::product::kernels::FirstHits<$crate::structures::KdTrail>,
+            first_hits_bvh4: $crate::product::kernels::FirstHits<$crate::structures::Bvh4>,
+            first_hits_bvh8: $crate::product::kernels::FirstHits<$crate::structures::Bvh8>,
+            first_hits_bvh8w: $crate::product::kernels::FirstHits<$crate::structures::Bvh8w>,
+            first_hits_bvh8f: $crate::product::kernels::FirstHits<$crate::product::traversal::Bvh8f>,
+            first_hits_staged: $crate::product::kernels::FirstHits<$crate::structures::Staged>,
             closest_kdtrail: $crate::product::kernels::Closest<$crate::structures::KdTrail>,
             closest_bvh4: $crate::product::kernels::Closest<$crate::structures::Bvh4>,
             closest_bvh8: $crate::product::kernels::Closest<$crate::structures::Bvh8>,
             closest_bvh8w: $crate::product::kernels::Closest<$crate::structures::Bvh8w>,
-            closest_bvh8f: $crate::product::kernels::Closest<$crate::product::traverse::Bvh8f>,
+            closest_bvh8f: $crate::product::kernels::Closest<$crate::product::traversal::Bvh8f>,
             closest_staged: $crate::product::kernels::Closest<$crate::structures::Staged>,
             occluded_kdtrail: $crate::product::kernels::Occluded<$crate::structures::KdTrail>,
             occluded_bvh4: $crate::product::kernels::Occluded<$crate::structures::Bvh4>,
             occluded_bvh8: $crate::product::kernels::Occluded<$crate::structures::Bvh8>,
             occluded_bvh8w: $crate::product::kernels::Occluded<$crate::structures::Bvh8w>,
-            occluded_bvh8f: $crate::product::kernels::Occluded<$crate::product::traverse::Bvh8f>,
+            occluded_bvh8f: $crate::product::kernels::Occluded<$crate::product::traversal::Bvh8f>,
             occluded_staged: $crate::product::kernels::Occluded<$crate::structures::Staged>,
             count_kdtrail: $crate::product::kernels::Count<$crate::structures::KdTrail>,
             count_bvh4: $crate::product::kernels::Count<$crate::structures::Bvh4>,
             count_bvh8: $crate::product::kernels::Count<$crate::structures::Bvh8>,
             count_bvh8w: $crate::product::kernels::Count<$crate::structures::Bvh8w>,
-            count_bvh8f: $crate::product::kernels::Count<$crate::product::traverse::Bvh8f>,
+            count_bvh8f: $crate::product::kernels::Count<$crate::product::traversal::Bvh8f>,
             count_staged: $crate::product::kernels::Count<$crate::structures::Staged>,
             all_kdtrail: $crate::product::kernels::All<$crate::structures::KdTrail>,
             all_bvh4: $crate::product::kernels::All<$crate::structures::Bvh4>,
             all_bvh8: $crate::product::kernels::All<$crate::structures::Bvh8>,
             all_bvh8w: $crate::product::kernels::All<$crate::structures::Bvh8w>,
-            all_bvh8f: $crate::product::kernels::All<$crate::product::traverse::Bvh8f>,
+            all_bvh8f: $crate::product::kernels::All<$crate::product::traversal::Bvh8f>,
             all_staged: $crate::product::kernels::All<$crate::structures::Staged>,
-            whitted_brute_clocked: $crate::product::kernels::Whitted<$crate::product::traverse::Brute, $crate::clocks::Clocks>,
-            whitted_kd_clocked: $crate::product::kernels::Whitted<$crate::product::traverse::KdTree, $crate::clocks::Clocks>,
-            whitted_bvh2_clocked: $crate::product::kernels::Whitted<$crate::product::traverse::Bvh2, $crate::clocks::Clocks>,
+            whitted_brute_clocked: $crate::product::kernels::Whitted<$crate::product::traversal::Brute, $crate::clocks::Clocks>,
+            whitted_kd_clocked: $crate::product::kernels::Whitted<$crate::product::traversal::KdTree, $crate::clocks::Clocks>,
+            whitted_bvh2_clocked: $crate::product::kernels::Whitted<$crate::product::traversal::Bvh2, $crate::clocks::Clocks>,
         }
     };
 }
@@ -66,20 +66,20 @@ macro_rules! for_each_own_kernel {
     ($use:ident, $($others:tt)*) => {
         $use! {
             $($others)*
-            closest_ifif: $crate::sharing::direct::Direct<$crate::sharing::form::IfIf, $crate::product::traverse::question::ClosestHit>,
-            closest_whilewhile: $crate::sharing::direct::Direct<$crate::sharing::form::WhileWhile, $crate::product::traverse::question::ClosestHit>,
-            closest_speculative: $crate::sharing::direct::Direct<$crate::sharing::form::Speculative, $crate::product::traverse::question::ClosestHit>,
-            closest_postponed: $crate::sharing::direct::Direct<$crate::sharing::form::Postponed, $crate::product::traverse::question::ClosestHit>,
-            closest_queued: $crate::sharing::queued::Queued<$crate::product::traverse::question::ClosestHit>,
-            closest_refill: $crate::sharing::refill::Refill<$crate::sharing::form::WhileWhile, $crate::product::traverse::question::ClosestHit>,
-            closest_refill_speculative: $crate::sharing::refill::Refill<$crate::sharing::form::Speculative, $crate::product::traverse::question::ClosestHit>,
-            occluded_ifif: $crate::sharing::direct::Direct<$crate::sharing::form::IfIf, $crate::product::traverse::question::AnyHit>,
-            occluded_whilewhile: $crate::sharing::direct::Direct<$crate::sharing::form::WhileWhile, $crate::product::traverse::question::AnyHit>,
-            occluded_speculative: $crate::sharing::direct::Direct<$crate::sharing::form::Speculative, $crate::product::traverse::question::AnyHit>,
-            occluded_postponed: $crate::sharing::direct::Direct<$crate::sharing::form::Postponed, $crate::product::traverse::question::AnyHit>,
-            occluded_queued: $crate::sharing::queued::Queued<$crate::product::traverse::question::AnyHit>,
-            occluded_refill: $crate::sharing::refill::Refill<$crate::sharing::form::WhileWhile, $crate::product::traverse::question::AnyHit>,
-            occluded_refill_speculative: $crate::sharing::refill::Refill<$crate::sharing::form::Speculative, $crate::product::traverse::question::AnyHit>,
+            closest_ifif: $crate::sharing::direct::Direct<$crate::sharing::form::IfIf, $crate::product::traversal::query::ClosestHit>,
+            closest_whilewhile: $crate::sharing::direct::Direct<$crate::sharing::form::WhileWhile, $crate::product::traversal::query::ClosestHit>,
+            closest_speculative: $crate::sharing::direct::Direct<$crate::sharing::form::Speculative, $crate::product::traversal::query::ClosestHit>,
+            closest_postponed: $crate::sharing::direct::Direct<$crate::sharing::form::Postponed, $crate::product::traversal::query::ClosestHit>,
+            closest_queued: $crate::sharing::queued::Queued<$crate::product::traversal::query::ClosestHit>,
+            closest_refill: $crate::sharing::refill::Refill<$crate::sharing::form::WhileWhile, $crate::product::traversal::query::ClosestHit>,
+            closest_refill_speculative: $crate::sharing::refill::Refill<$crate::sharing::form::Speculative, $crate::product::traversal::query::ClosestHit>,
+            occluded_ifif: $crate::sharing::direct::Direct<$crate::sharing::form::IfIf, $crate::product::traversal::query::AnyHit>,
+            occluded_whilewhile: $crate::sharing::direct::Direct<$crate::sharing::form::WhileWhile, $crate::product::traversal::query::AnyHit>,
+            occluded_speculative: $crate::sharing::direct::Direct<$crate::sharing::form::Speculative, $crate::product::traversal::query::AnyHit>,
+            occluded_postponed: $crate::sharing::direct::Direct<$crate::sharing::form::Postponed, $crate::product::traversal::query::AnyHit>,
+            occluded_queued: $crate::sharing::queued::Queued<$crate::product::traversal::query::AnyHit>,
+            occluded_refill: $crate::sharing::refill::Refill<$crate::sharing::form::WhileWhile, $crate::product::traversal::query::AnyHit>,
+            occluded_refill_speculative: $crate::sharing::refill::Refill<$crate::sharing::form::Speculative, $crate::product::traversal::query::AnyHit>,
             paths: $crate::sharing::paths::Paths,
             bounce: $crate::sharing::paths::Bounce,
             sort_tell: $crate::sharing::sort::Tell,
@@ -132,7 +132,7 @@ plain!(
 
 #[cfg(test)]
 mod tests {
-    use raywarp_kernels::kernels::Kernel;
+    use raywarp_core::kernels::Kernel;
 
     macro_rules! check {
         ($($name:ident: $kernel:ty),* $(,)?) => {

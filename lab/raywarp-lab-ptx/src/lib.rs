@@ -2,8 +2,8 @@
 #![no_std]
 #![feature(abi_ptx)]
 
-use raywarp_kernels::arch;
-use raywarp_kernels::kernels::Kernel;
+use raywarp_core::arch;
+use raywarp_core::kernels::Kernel;
 
 // The compiler asks for one, though a panic becomes a trap where it happens.
 #[panic_handler]

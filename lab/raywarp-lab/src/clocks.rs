@@ -3,11 +3,11 @@
 use raywarp::accel::{Rendered, Resident, ResidentBrute, ResidentBvh2, ResidentKd};
 use raywarp::render::{Pass, RenderError, RenderOptions, Tracer};
 use raywarp::scene::Camera;
-use raywarp_kernels::camera::pixel_centre;
-use raywarp_kernels::film::Pixel;
-use raywarp_kernels::shade::whitted::trace;
-use raywarp_kernels::traverse::Counter;
-use raywarp_kernels::view::ViewMut;
+use raywarp_core::camera::pixel_centre;
+use raywarp_core::film::Pixel;
+use raywarp_core::shade::whitted::trace;
+use raywarp_core::traversal::Counter;
+use raywarp_core::view::ViewMut;
 use raywarp_lab_core::clocks::{Clocks, StageTimes};
 
 use crate::views::Views;

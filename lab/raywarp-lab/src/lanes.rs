@@ -6,10 +6,10 @@
 use std::mem::MaybeUninit;
 
 use rayon::prelude::*;
-use raywarp_kernels::traverse::binary::Room;
-use raywarp_kernels::traverse::bvh2::MAX_DEPTH;
-use raywarp_kernels::traverse::question::{AnyHit, ClosestHit, Question};
-use raywarp_kernels::traverse::{self, Counter, Uncounted};
+use raywarp_core::traversal::binary::Storage;
+use raywarp_core::traversal::bvh2::MAX_DEPTH;
+use raywarp_core::traversal::query::{AnyHit, ClosestHit, Query};
+use raywarp_core::traversal::{self, Counter, NullStatistics};
 use raywarp_lab_core::sharing::search::Search;
 
 use raywarp::accel::bvh2::Bvh2;
@@ -101,16 +101,16 @@ pub fn batch(tree: &Bvh2, rays: &[Ray], any_hit: bool, form: LoopForm, most: usi
 }
 
 /// Searches that run in step.
-struct Warp<'a, Q: Question> {
+struct Warp<'a, Q: Query> {
     lanes: Vec<Search<'a, Q>>,
     sum: LaneSteps,
 }
 
-impl<'a, Q: Question> Warp<'a, Q> {
-    fn follow(tree: &traverse::Bvh2, rays: &[Ray], form: LoopForm) -> LaneSteps {
-        let mut rooms: Vec<Room> = vec![[const { MaybeUninit::uninit() }; MAX_DEPTH + 1]; rays.len()];
-        let begin = |(room, ray)| {
-            let mut search = Search::idle(tree, room);
+impl<'a, Q: Query> Warp<'a, Q> {
+    fn follow(tree: &traversal::Bvh2, rays: &[Ray], form: LoopForm) -> LaneSteps {
+        let mut rooms: Vec<Storage> = vec![[const { MaybeUninit::uninit() }; MAX_DEPTH + 1]; rays.len()];
+        let begin = |(storage, ray)| {
+            let mut search = Search::idle(tree, storage);
             search.begin(ray);
             search
         };
@@ -138,8 +138,8 @@ impl<'a, Q: Question> Warp<'a, Q> {
             } else {
                 sum.useful += 1;
                 match nodes {
-                    true => lane.visit(&mut Uncounted),
-                    false => lane.test_one(&mut Uncounted),
+                    true => lane.visit(&mut NullStatistics),
+                    false => lane.test_one(&mut NullStatistics),
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Rays over several bounces: in one kernel, or a kernel a bounce with queues between them.
 
-use raywarp_kernels::kernels::Kernel;
-use raywarp_kernels::traverse;
+use raywarp_core::kernels::Kernel;
+use raywarp_core::traversal;
 use raywarp_lab_core::sharing::paths::{Bounce, Paths, Trail, Waiting, Way};
 use raywarp_lab_core::sharing::sort::{Begin, Move, Sum, Tell, BINS, CELLS, RUNS};
 
@@ -34,7 +34,7 @@ pub enum Surfaces {
 /// A tree with the first rays of paths on a device.
 pub struct PathBatch {
     device: Device,
-    nodes: Buffer<traverse::bvh2::Node>,
+    nodes: Buffer<traversal::bvh2::Node>,
     leaves: Buffer<Triangle>,
     reach: Vec3,
     triangles: Buffer<Triangle>,
@@ -135,7 +135,7 @@ impl PathBatch {
     fn way(&self) -> Way {
         let (nodes, triangles) = (self.nodes.view(), self.leaves.view());
         Way {
-            tree: traverse::Bvh2 { nodes, triangles, reach: self.reach },
+            tree: traversal::Bvh2 { nodes, triangles, reach: self.reach },
             triangles: self.triangles.view(),
             offset: self.offset,
             diffuse: u32::from(self.surfaces == Surfaces::Diffuse),

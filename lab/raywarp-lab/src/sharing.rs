@@ -2,10 +2,10 @@
 
 use std::marker::PhantomData;
 
-use raywarp_kernels::kernels::Kernel;
-use raywarp_kernels::traverse;
-use raywarp_kernels::traverse::question::{AnyHit, ClosestHit, Question};
-use raywarp_kernels::view::{Plain, ViewMut};
+use raywarp_core::kernels::Kernel;
+use raywarp_core::traversal;
+use raywarp_core::traversal::query::{AnyHit, ClosestHit, Query};
+use raywarp_core::view::{Plain, ViewMut};
 use raywarp_lab_core::sharing::direct::Direct;
 use raywarp_lab_core::sharing::form::{Form, IfIf, Postponed, Speculative, WhileWhile};
 use raywarp_lab_core::sharing::queued::Queued;
@@ -48,15 +48,15 @@ const TRIES: u32 = 64;
 /// A tree and rays on a device, with room for their answers.
 pub struct Batch {
     device: Device,
-    nodes: Buffer<traverse::bvh2::Node>,
+    nodes: Buffer<traversal::bvh2::Node>,
     triangles: Buffer<Triangle>,
     reach: Vec3,
     rays: Buffer<Ray>,
-    room: Room,
+    storage: Storage,
     taken: Option<Buffer<u32>>,
 }
 
-enum Room {
+enum Storage {
     Closest(Buffer<Hit>),
     Occluded(Buffer<u32>),
 }
@@ -70,9 +70,9 @@ impl Batch {
         let answer = if any_hit { size_of::<u32>() } else { size_of::<Hit>() };
         let bytes = tree.stats().bytes + (size_of::<Ray>() + answer) * rays.len();
         device.reserve(bytes as u64, "a tree and rays")?;
-        let room = match any_hit {
-            true => Room::Occluded(device.zeroed(rays.len())?),
-            false => Room::Closest(device.zeroed(rays.len())?),
+        let storage = match any_hit {
+            true => Storage::Occluded(device.zeroed(rays.len())?),
+            false => Storage::Closest(device.zeroed(rays.len())?),
         };
         Ok(Self {
             device: device.clone(),
@@ -80,7 +80,7 @@ impl Batch {
             triangles: device.upload(tree.triangles())?,
             reach: tree.reach(),
             rays: device.upload(rays)?,
-            room,
+            storage,
             taken: None,
         })
     }
@@ -99,12 +99,12 @@ impl Batch {
     /// # Errors
     /// The device fails.
     pub fn time(&mut self, way: Way, times: [u32; 2]) -> Result<Vec<f64>, DeviceError> {
-        let tree = traverse::Bvh2 { nodes: self.nodes.view(), triangles: self.triangles.view(), reach: self.reach };
+        let tree = traversal::Bvh2 { nodes: self.nodes.view(), triangles: self.triangles.view(), reach: self.reach };
         let rays = self.rays.view();
         let mut launch = Launch { device: &self.device, tree, rays, taken: &mut self.taken, times };
-        match &mut self.room {
-            Room::Closest(hits) => launch.time::<ClosestHit>(way, hits.view_mut()),
-            Room::Occluded(occluded) => launch.time::<AnyHit>(way, occluded.view_mut()),
+        match &mut self.storage {
+            Storage::Closest(hits) => launch.time::<ClosestHit>(way, hits.view_mut()),
+            Storage::Occluded(occluded) => launch.time::<AnyHit>(way, occluded.view_mut()),
         }
     }
 
@@ -113,9 +113,9 @@ impl Batch {
     /// # Errors
     /// The device fails.
     pub fn clear(&mut self) -> Result<(), DeviceError> {
-        match &mut self.room {
-            Room::Closest(hits) => hits.clear(),
-            Room::Occluded(occluded) => occluded.clear(),
+        match &mut self.storage {
+            Storage::Closest(hits) => hits.clear(),
+            Storage::Occluded(occluded) => occluded.clear(),
         }
     }
 
@@ -135,9 +135,9 @@ impl Batch {
     /// # Errors
     /// The device fails.
     pub fn answers(&self) -> Result<Answers, DeviceError> {
-        Ok(match &self.room {
-            Room::Closest(hits) => Answers::Closest(hits.to_vec()?),
-            Room::Occluded(occluded) => Answers::Occluded(occluded.to_vec()?.iter().map(|&any| any != 0).collect()),
+        Ok(match &self.storage {
+            Storage::Closest(hits) => Answers::Closest(hits.to_vec()?),
+            Storage::Occluded(occluded) => Answers::Occluded(occluded.to_vec()?.iter().map(|&any| any != 0).collect()),
         })
     }
 }
@@ -145,15 +145,15 @@ impl Batch {
 /// What the kernels of all ways share.
 struct Launch<'a> {
     device: &'a Device,
-    tree: traverse::Bvh2,
-    rays: raywarp_kernels::view::View<Ray>,
+    tree: traversal::Bvh2,
+    rays: raywarp_core::view::View<Ray>,
     /// The queues' numbers, zero between launches.
     taken: &'a mut Option<Buffer<u32>>,
     times: [u32; 2],
 }
 
 impl Launch<'_> {
-    fn time<Q: Question>(&mut self, way: Way, answers: ViewMut<Q::Answer>) -> Result<Vec<f64>, DeviceError>
+    fn time<Q: Query>(&mut self, way: Way, answers: ViewMut<Q::Answer>) -> Result<Vec<f64>, DeviceError>
     where
         Q::Answer: Plain,
         Direct<IfIf, Q>: Kernel,
@@ -175,7 +175,7 @@ impl Launch<'_> {
         }
     }
 
-    fn direct<F: Form, Q: Question>(&self, answers: ViewMut<Q::Answer>) -> Result<Vec<f64>, DeviceError>
+    fn direct<F: Form, Q: Query>(&self, answers: ViewMut<Q::Answer>) -> Result<Vec<f64>, DeviceError>
     where
         Direct<F, Q>: Kernel,
     {
@@ -183,7 +183,7 @@ impl Launch<'_> {
         self.run(&kernel, self.rays.len())
     }
 
-    fn queued<Q: Question>(&mut self, queues: Queues, answers: ViewMut<Q::Answer>) -> Result<Vec<f64>, DeviceError>
+    fn queued<Q: Query>(&mut self, queues: Queues, answers: ViewMut<Q::Answer>) -> Result<Vec<f64>, DeviceError>
     where
         Queued<Q>: Kernel,
     {
@@ -196,13 +196,13 @@ impl Launch<'_> {
             Queues::Warp => 1,
         };
         let taken = self.numbers(warps.div_ceil(warps_a_queue) + 1)?;
-        let (tree, rays, question) = (self.tree, self.rays, PhantomData);
+        let (tree, rays, query) = (self.tree, self.rays, PhantomData);
         let tries = TRIES.min(warps.div_ceil(warps_a_queue));
-        let kernel = Queued::<Q> { tree, rays, answers, taken, warps_a_queue, tries, warps, question };
+        let kernel = Queued::<Q> { tree, rays, answers, taken, warps_a_queue, tries, warps, query };
         self.run(&kernel, threads)
     }
 
-    fn refill<F: Form, Q: Question>(&mut self, answers: ViewMut<Q::Answer>) -> Result<Vec<f64>, DeviceError>
+    fn refill<F: Form, Q: Query>(&mut self, answers: ViewMut<Q::Answer>) -> Result<Vec<f64>, DeviceError>
     where
         Refill<F, Q>: Kernel,
     {

@@ -47,8 +47,8 @@ const LISTS: [List; 2] = [
         modules: "crates/raywarp/src/backend/cuda/ptx",
         report: "docs/kernels.md",
         title: "What the kernels need",
-        names: raywarp_kernels::kernels::NAMES,
-        source: "crates/raywarp-kernels/src/kernels.rs",
+        names: raywarp_core::kernels::NAMES,
+        source: "crates/raywarp-core/src/kernels.rs",
     },
     List {
         crate_folder: "lab/raywarp-lab-ptx",

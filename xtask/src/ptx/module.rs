@@ -80,7 +80,7 @@ fn names<'a>(items: &[&'a Item]) -> Names<'a> {
     names
 }
 
-/// A name without the hashes: `<raywarp_kernels::surface::Scene>::surface` becomes `raywarp_kernels_surface_Scene_surface`.
+/// A name without the hashes: `<raywarp_core::surface::Scene>::surface` becomes `raywarp_core_surface_Scene_surface`.
 fn readable(symbol: &str) -> String {
     let path = format!("{:#}", rustc_demangle::demangle(symbol));
     let words = path.split(|character: char| !character.is_ascii_alphanumeric() && character != '_');

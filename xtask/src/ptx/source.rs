@@ -57,7 +57,7 @@ pub fn parse(text: &str) -> Result<Source> {
 fn see_that_all_are_defined(declared: &[Item], items: &[Item]) -> Result<()> {
     let defined: HashSet<&str> = items.iter().map(|item| item.symbol.as_str()).collect();
     if let Some(Item { symbol, .. }) = declared.iter().find(|item| !defined.contains(item.symbol.as_str())) {
-        bail!("the kernels call {symbol}, which nothing defines: use what raywarp-kernels' `math` and `arch` have");
+        bail!("the kernels call {symbol}, which nothing defines: use what raywarp-core' `math` and `arch` have");
     }
     Ok(())
 }

@@ -16,7 +16,7 @@ use super::peers::Peer;
 use super::results::{differing, Agreement, PeerRow, Results, Row, Speed, Task};
 use super::structures::{Built, Structures};
 use super::suite::Subject;
-use crate::say;
+use crate::messages;
 
 /// Rays of a kind that are counted at most.
 const COUNTED: usize = 100_000;
@@ -86,7 +86,7 @@ impl Contest<'_> {
     /// Builds every structure and copies it to the device.
     fn entrants(&self, scene: &str, triangles: &[Triangle]) -> anyhow::Result<Vec<Entrant>> {
         let entrant = |(name, quality): &(String, Quality)| {
-            say::line(&format!("{scene}: building {name}, {quality} ..."));
+            messages::line(&format!("{scene}: building {name}, {quality} ..."));
             let built = self.structures.build(name, *quality, triangles, self.device)?;
             Ok(Entrant { name: name.clone(), quality: *quality, built })
         };
@@ -122,7 +122,7 @@ impl Contest<'_> {
         entrants: &[Entrant],
         results: &mut Results,
     ) -> anyhow::Result<()> {
-        say::line(&format!("{}: {} {} rays ...", task.scene, task.count, task.rays));
+        messages::line(&format!("{}: {} {} rays ...", task.scene, task.count, task.rays));
         let runner = |entrant| Runner::new(entrant, task, workload);
         let mut runners = entrants.iter().map(runner).collect::<anyhow::Result<Vec<_>>>()?;
         if !self.peers.is_empty() {

@@ -13,11 +13,11 @@ use super::spread::Spread;
 use super::structures::{fastest_on, Structures};
 use super::suite::BUILT_IN;
 use crate::interrupt::Interrupt;
+use crate::messages;
 use crate::output::to_standard_output;
 use crate::paper;
 use crate::render::{limit_threads, read};
 use crate::report::TestCounts;
-use crate::say;
 
 /// Repeats, if the options do not say.
 const REPEATS: u32 = 9;
@@ -60,7 +60,7 @@ pub fn run(options: &BenchOptions, structures: &dyn Structures) -> anyhow::Resul
     for name in if options.layout.is_empty() { &usual } else { &options.layout[..] } {
         bench.measure(name, &loaded.scene, structures, &device)?;
     }
-    say::results(&bench, options.json, || bench.table())
+    messages::results(&bench, options.json, || bench.table())
 }
 
 impl Bench {
@@ -91,7 +91,7 @@ impl Bench {
             Ok(tracer.render(camera, &picture, &mut |_| ())?)
         };
         for (rays, max_depth, shadows) in [("primary", 0, false), ("all", 5, true)] {
-            say::line(&format!("{accel}, {rays} rays ..."));
+            messages::line(&format!("{accel}, {rays} rays ..."));
             // The counting run compiles and warms up; its own time does not count.
             let counted = render(max_depth, shadows, true)?;
             render(max_depth, shadows, false)?;

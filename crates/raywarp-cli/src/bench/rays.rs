@@ -12,9 +12,9 @@ use super::results::Results;
 use super::structures::{fastest_on, Structures};
 use super::suite::subjects;
 use crate::interrupt::Interrupt;
+use crate::messages;
 use crate::output::to_standard_output;
 use crate::render::{limit_threads, read};
-use crate::say;
 
 /// Repeats, if the options do not say.
 const REPEATS: u32 = 20;
@@ -88,7 +88,7 @@ fn peers(options: &BenchOptions, contest: &Contest, results: &mut Results) -> Ve
 /// Prints the results, and says what is wrong with them.
 fn conclude(options: &BenchOptions, results: &Results) -> anyhow::Result<()> {
     anyhow::ensure!(!results.rows.is_empty(), "nothing was measured; the notes above say why");
-    say::results(results, options.json, || results.table())?;
+    messages::results(results, options.json, || results.table())?;
     let differ: usize = results.rows.iter().map(|row| row.differ).sum();
     anyhow::ensure!(differ == 0, "{differ} answers differ between structures: one of them is wrong; report it");
     Ok(())

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::machine::Machine;
 use super::peers::About;
 use super::spread::Spread;
-use crate::say;
+use crate::messages;
 
 /// A whole run.
 #[derive(Debug, Serialize)]
@@ -131,7 +131,7 @@ impl Note {
     /// Says it at once.
     pub fn said(about: &str, reason: impl Into<String>) -> Self {
         let note = Self { about: about.to_owned(), reason: reason.into() };
-        say::line(&format!("note: {note}"));
+        messages::line(&format!("note: {note}"));
         note
     }
 }

@@ -2,7 +2,7 @@
 
 use super::results::{PeerRow, Results, Row, Speed};
 use crate::columns::{left, right, Column, Table};
-use crate::say;
+use crate::messages;
 
 impl Results {
     /// Tables and notes.
@@ -35,8 +35,8 @@ impl Results {
             left("tree", |row: &Row| row.tree.to_string()),
             right("Mrays/s", |row: &Row| spread(&row.speed)),
             right("hits", |row: &Row| format!("{:.1} %", 100.0 * row.hit_share)),
-            right("nodes", |row: &Row| say::bytes(row.node_bytes as u64)),
-            right("triangles", |row: &Row| say::bytes(row.triangle_bytes as u64)),
+            right("nodes", |row: &Row| messages::bytes(row.node_bytes as u64)),
+            right("triangles", |row: &Row| messages::bytes(row.triangle_bytes as u64)),
         ];
         if kernel {
             let of = |row: &Row, value: fn(&raywarp::backend::KernelInfo) -> String| {

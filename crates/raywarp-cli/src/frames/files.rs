@@ -9,9 +9,9 @@ use raywarp::write::{self, Outputs};
 
 use super::names::Template;
 use super::range::Range;
+use crate::messages;
 use crate::options::RenderOptions;
 use crate::output::{add_statistics, Plan};
-use crate::say;
 
 /// Frames that nobody names.
 const USUAL: &str = "raywarp-####.png";
@@ -42,7 +42,7 @@ impl FrameFiles {
             "--aov goes into picture files or beside them, and an animation holds the picture alone: give -o too"
         );
         Ok(Self {
-            names: outputs.iter().map(|path| say::output_name(path)).collect::<Vec<_>>().join(", "),
+            names: outputs.iter().map(|path| messages::output_name(path)).collect::<Vec<_>>().join(", "),
             outputs: outputs.iter().map(|path| Template::new(path)).collect::<Result<_, _>>()?,
             heatmap: options.heatmap.as_deref().map(Template::new).transpose()?,
             layers: options.aov.clone(),

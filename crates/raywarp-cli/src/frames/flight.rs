@@ -5,7 +5,7 @@ use raywarp::scene::{Camera, CameraPath, Viewpoint};
 
 use super::orbit::{nearest_in_sight, Orbit};
 use super::range::Range;
-use crate::render::Stage;
+use crate::render::Setup;
 
 /// A camera in motion.
 pub struct Flight {
@@ -21,11 +21,11 @@ enum Way {
 
 impl Flight {
     /// The flight that options ask for. `path` is the one that they name.
-    pub fn new(stage: &Stage, path: Option<&CameraPath>, whole: Range) -> Self {
-        let options = stage.options;
+    pub fn new(setup: &Setup, path: Option<&CameraPath>, whole: Range) -> Self {
+        let options = setup.options;
         let way = match path {
             Some(path) => Way::Path(path.clone(), options.camera.viewpoint()),
-            None => Way::Orbit(orbit(stage), options.frames.orbit.unwrap_or_default()),
+            None => Way::Orbit(orbit(setup), options.frames.orbit.unwrap_or_default()),
         };
         Self { way, whole }
     }
@@ -65,13 +65,13 @@ impl Flight {
 }
 
 /// The camera about its target, and about what its user calls up, else the scene's +Y.
-fn orbit(stage: &Stage) -> Orbit {
-    let options = stage.options;
-    let camera = stage.camera.clone();
-    let centre = match stage.has_target() {
+fn orbit(setup: &Setup) -> Orbit {
+    let options = setup.options;
+    let camera = setup.camera.clone();
+    let centre = match setup.has_target() {
         true => camera.target,
         // Any point of the line of sight gives the same first frame; this one keeps the scene in sight.
-        false => nearest_in_sight(&camera, middle(stage.tracer.report().bounds)),
+        false => nearest_in_sight(&camera, middle(setup.tracer.report().bounds)),
     };
     Orbit { centre, axis: options.camera.up.unwrap_or([0.0, 1.0, 0.0]), camera }
 }

@@ -20,12 +20,12 @@ use raywarp::write::Outputs;
 
 use crate::interrupt::Interrupt;
 use crate::limits;
+use crate::messages;
 use crate::options::RenderOptions;
 use crate::output::{Plan, Target};
 use crate::progress::{Bar, Words, THOUSAND};
-use crate::render::{limit_threads, read, say_statistics, Shot, Stage};
+use crate::render::{limit_threads, read, say_statistics, Setup, Shot};
 use crate::report::{FrameCounts, Statistics};
-use crate::say;
 
 use animation::Animation;
 use files::{FrameFiles, There};
@@ -50,18 +50,18 @@ pub fn run(options: &RenderOptions, range: Range) -> anyhow::Result<()> {
     let loaded = read(options.scene.as_deref(), options.strict, &mut outputs)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let path = options.frames.path.as_deref().map(|name| flight::named(&loaded.scene.paths, name)).transpose()?;
-    let wishes = options.wishes().or(&loaded.scene.render);
-    let size = check(render::RenderOptions::from(&wishes).size, options, &files.plan(range.first)?)?;
-    let stage = Stage::set(options, wishes, &loaded)?;
-    let flight = Flight::new(&stage, path, whole);
+    let overrides = options.overrides().or(&loaded.scene.render);
+    let size = check(render::RenderOptions::from(&overrides).size, options, &files.plan(range.first)?)?;
+    let setup = Setup::set(options, overrides, &loaded)?;
+    let flight = Flight::new(&setup, path, whole);
     flight.check(range)?;
 
     let open = |path| Animation::open(path, size, range.count(), options.frames.fps, &interrupt);
     let animation = options.frames.animation.as_deref().map(open).transpose()?;
-    let statistics = stage.statistics(size);
+    let statistics = setup.statistics(size);
     let target = Target { run: &outputs, interrupt: &interrupt };
-    let mut roll = Roll { stage: &stage, files: &files, flight: &flight, target, animation, statistics };
-    let counts = roll.expose(range)?;
+    let mut roll = Roll { setup: &setup, files: &files, flight: &flight, target, animation, statistics };
+    let counts = roll.accumulate(range)?;
     let said = roll.animation.take().map(|animation| animation.finish(target)).transpose()?;
     let mut statistics = roll.statistics;
     statistics.seconds.load = load_seconds;
@@ -94,7 +94,7 @@ fn check(size: [u32; 2], options: &RenderOptions, plan: &Plan) -> anyhow::Result
 
 /// Frames under way.
 struct Roll<'a> {
-    stage: &'a Stage<'a>,
+    setup: &'a Setup<'a>,
     files: &'a FrameFiles,
     flight: &'a Flight,
     target: Target<'a>,
@@ -104,8 +104,8 @@ struct Roll<'a> {
 
 impl Roll<'_> {
     /// Renders every frame that is not there.
-    fn expose(&mut self, range: Range) -> anyhow::Result<FrameCounts> {
-        let mut bar = Bar::new(self.stage.options.quiet, Words::Frames);
+    fn accumulate(&mut self, range: Range) -> anyhow::Result<FrameCounts> {
+        let mut bar = Bar::new(self.setup.options.quiet, Words::Frames);
         let total = u64::from(range.count()) * THOUSAND;
         let mut counts = FrameCounts::default();
         for (index, frame) in range.frames().enumerate() {
@@ -128,10 +128,10 @@ impl Roll<'_> {
     }
 
     fn there(&self, plan: &Plan, camera: &Camera) -> anyhow::Result<There> {
-        if self.stage.options.frames.overwrite {
+        if self.setup.options.frames.overwrite {
             return Ok(There::Part);
         }
-        let made_of = Shot { stage: self.stage, plan, camera }.origin().provenance();
+        let made_of = Shot { setup: self.setup, plan, camera }.origin().provenance();
         files::there(plan, self.statistics.size, &made_of.fingerprint, self.animation.is_some())
     }
 
@@ -142,14 +142,14 @@ impl Roll<'_> {
         is_first: bool,
         progress: &mut dyn FnMut(f64),
     ) -> anyhow::Result<()> {
-        let shot = Shot { stage: self.stage, plan, camera };
+        let shot = Shot { setup: self.setup, plan, camera };
         let taken = shot.take(&mut |now| progress(now.done as f64 / now.total.max(1) as f64))?;
         self.statistics.add(&taken);
         let saving = Instant::now();
         let layers: Layers = shot.layers(&taken)?;
         let results = shot.results(&taken, &layers);
         // What the colours mean is said of one frame: of all, it would be a book.
-        plan.write(&results, self.target, self.stage.options.quiet || !is_first)?;
+        plan.write(&results, self.target, self.setup.options.quiet || !is_first)?;
         if let Some(animation) = &mut self.animation {
             animation.add(results.shown())?;
         }
@@ -188,16 +188,16 @@ fn conclude(
         0 => String::new(),
         renewed => format!("; {renewed} were there of another scene or other options, and are made anew"),
     };
-    say::line(&format!(
+    messages::line(&format!(
         "{place}{} of {width}x{height} pixels on {} in {} (rendering {}, kernels {}){kept}{renewed}",
-        say::count(counts.rendered, "frame"),
+        messages::count(counts.rendered, "frame"),
         statistics.device,
-        say::seconds(total),
-        say::seconds(seconds.render),
-        say::seconds(seconds.kernel),
+        messages::seconds(total),
+        messages::seconds(seconds.render),
+        messages::seconds(seconds.kernel),
     ));
     if let Some(animation) = animation {
-        say::line(&animation);
+        messages::line(&animation);
     }
     Ok(())
 }

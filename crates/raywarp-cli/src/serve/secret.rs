@@ -8,8 +8,8 @@ use anyhow::{bail, Context};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use raywarp_viewer::serve::Token;
 
+use crate::messages;
 use crate::options::ServeOptions;
-use crate::say;
 
 /// The environment's word for it.
 const VARIABLE: &str = "RAYWARP_TOKEN";
@@ -34,7 +34,7 @@ fn from_file(path: &Path) -> anyhow::Result<Token> {
     let reason = || format!("cannot read the token of {name}");
     let file = File::open(path).with_context(reason)?;
     if is_open_to_others(&file) {
-        say::line(&format!("warning: {name} can be read by other users: chmod 600 {name}"));
+        messages::line(&format!("warning: {name} can be read by other users: chmod 600 {name}"));
     }
     let mut text = String::new();
     file.take(MOST + 1).read_to_string(&mut text).with_context(reason)?;

@@ -4,7 +4,7 @@
 //! The letters W A S D Q E fly and are free of other meanings, with and without Shift (fast) and Alt (slow).
 
 use super::camera_control::{Fly, Preset};
-use super::look::View;
+use super::view_settings::View;
 use super::{Event, Modifiers};
 
 /// What a key asks for.
@@ -14,7 +14,7 @@ pub enum Action {
     Pointer,
     /// Fly that way while the key is held.
     Fly(Fly),
-    /// Look from there.
+    /// ViewSettings from there.
     Preset(Preset),
     /// Between a pinhole and parallel rays.
     Projection,

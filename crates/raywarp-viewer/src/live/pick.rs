@@ -48,11 +48,11 @@ impl Pick {
         [x, y]: [u32; 2],
     ) -> Result<Option<Self>, RenderError> {
         let crop = Some([x, y, x.saturating_add(1), y.saturating_add(1)]);
-        let surfels = tracer.layers(camera, &RenderOptions { size, crop, ..RenderOptions::default() })?;
+        let first_hits = tracer.layers(camera, &RenderOptions { size, crop, ..RenderOptions::default() })?;
         let ray = render::ray(camera, size, [x as f32 + 0.5, y as f32 + 0.5])?;
         let geometries = Geometries::placed(meshes, &scene.instances);
-        Ok(surfels.first().and_then(|surfel| {
-            let hit = geometries.meet(meshes, &scene.instances, &ray, surfel.primitive)?;
+        Ok(first_hits.first().and_then(|first_hit| {
+            let hit = geometries.meet(meshes, &scene.instances, &ray, first_hit.primitive)?;
             Self::of(meshes, scene, &geometries, &ray, &hit)
         }))
     }
@@ -233,16 +233,16 @@ mod tests {
         let camera = framing(tracer.report().bounds);
         let size = [48, 32];
         let options = RenderOptions { size, ..RenderOptions::default() };
-        let surfels = tracer.layers(&camera, &options).unwrap();
+        let first_hits = tracer.layers(&camera, &options).unwrap();
         let mut seen = std::collections::BTreeSet::new();
-        for (i, surfel) in surfels.iter().enumerate() {
+        for (i, first_hit) in first_hits.iter().enumerate() {
             let pixel = [i as u32 % size[0], i as u32 / size[0]];
             let pick = Pick::at(&tracer, &scene.meshes, &scene, &camera, size, pixel).unwrap();
-            assert_eq!(pick.is_none(), surfel.primitive == MISS);
+            assert_eq!(pick.is_none(), first_hit.primitive == MISS);
             let Some(pick) = pick else { continue };
             seen.insert((pick.instance, pick.triangle));
-            assert_eq!(pick.distance.map(f32::to_bits), Some(surfel.depth.to_bits()));
-            assert_eq!(pick.material, surfel.material as usize);
+            assert_eq!(pick.distance.map(f32::to_bits), Some(first_hit.depth.to_bits()));
+            assert_eq!(pick.material, first_hit.material as usize);
             // The weights give the place back in the mesh's own order of vertices.
             let instance = &scene.instances[pick.instance];
             let mesh = &scene.meshes[pick.mesh];
@@ -250,9 +250,9 @@ mod tests {
             let local: Vec3 = (0..3).map(|i| corners[i] * pick.weights[i]).sum();
             let [x, y, z] = instance.transform.columns.map(Vec3::from);
             let world = x * local.x + y * local.y + z * local.z + Vec3::from(instance.transform.translation);
-            assert!(world.distance(surfel.position.to_array().into()) < 1e-5);
+            assert!(world.distance(first_hit.position.to_array().into()) < 1e-5);
             assert!(world.distance(pick.position.into()) < 1e-5);
-            assert!(Vec3::from(pick.normal).distance(surfel.normal.to_array().into()) < 1e-5);
+            assert!(Vec3::from(pick.normal).distance(first_hit.normal.to_array().into()) < 1e-5);
             assert_eq!(pick.names[0], instance.name);
         }
         assert_eq!(seen.into_iter().collect::<Vec<_>>(), [(0, 0), (0, 1), (2, 0), (2, 1)]);

@@ -1,6 +1,6 @@
 //! The viewer in a browser: a server for one scene, with its page inside.
 //!
-//! One thread, the `render_thread`, owns the [`Stage`] and renders for every client in turn. Each client has a task for its
+//! One thread, the `render_thread`, owns the [`LiveScene`] and renders for every client in turn. Each client has a task for its
 //! WebSocket, and the two meet in a `client`: input one way, pictures and state the other, neither ever more than a
 //! few items. Pictures are cut in `stripes` and encoded beside the render thread. `protocol` says what goes over the
 //! wire; the page is its other side.
@@ -35,7 +35,7 @@ pub use protocol::VERSION as PROTOCOL;
 pub use stripes::{messages, Coding, StripeError};
 pub use token::Token;
 
-use crate::live::Stage;
+use crate::live::LiveScene;
 use registry::{ClientRegistry, Ending};
 
 /// Longest time that the end waits for clients to have heard of it.
@@ -140,7 +140,7 @@ impl Server {
     ///
     /// # Errors
     /// [`ServeError`] where the scene cannot be read, the device fails, or rendering panics.
-    pub fn run(self, open: impl FnOnce() -> Stage) -> Result<(), ServeError> {
+    pub fn run(self, open: impl FnOnce() -> LiveScene) -> Result<(), ServeError> {
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(2)
             .thread_name("raywarp-serve")

@@ -6,7 +6,7 @@ use super::files::Files;
 use super::registry::ClientRegistry;
 use super::session::{Session, Urgency};
 use super::ServeError;
-use crate::live::Stage;
+use crate::live::LiveScene;
 use crate::ViewerError;
 
 /// Longest sleeps: with clients, for what happens by time alone; without, to see what the stage has ready.
@@ -20,12 +20,18 @@ const CREDIT: Duration = Duration::from_millis(250);
 ///
 /// # Errors
 /// [`ServeError`] where the scene cannot be read at first, or the device fails.
-pub fn run(stage: Stage, registry: &ClientRegistry) -> Result<(), ServeError> {
+pub fn run(live_scene: LiveScene, registry: &ClientRegistry) -> Result<(), ServeError> {
     let (files, opened) = (Files::start(), Instant::now());
-    let mut thread =
-        RenderThread { stage, sessions: Vec::new(), files, opened, level: Duration::ZERO, last: Urgency::Refinement };
+    let mut thread = RenderThread {
+        live_scene,
+        sessions: Vec::new(),
+        files,
+        opened,
+        level: Duration::ZERO,
+        last: Urgency::Refinement,
+    };
     while !registry.is_stopping() {
-        thread.stage.poll();
+        thread.live_scene.poll();
         thread.check_scene()?;
         thread.admit(registry);
         thread.take_input();
@@ -39,7 +45,7 @@ pub fn run(stage: Stage, registry: &ClientRegistry) -> Result<(), ServeError> {
 }
 
 struct RenderThread {
-    stage: Stage,
+    live_scene: LiveScene,
     sessions: Vec<Session>,
     files: Files,
     opened: Instant,
@@ -52,7 +58,7 @@ struct RenderThread {
 impl RenderThread {
     /// A first scene that is not coming is the end.
     fn check_scene(&mut self) -> Result<(), ServeError> {
-        self.stage.take_failure().map_or(Ok(()), |error| Err(ViewerError::into(error)))
+        self.live_scene.take_failure().map_or(Ok(()), |error| Err(ViewerError::into(error)))
     }
 
     fn admit(&mut self, registry: &ClientRegistry) {
@@ -64,7 +70,7 @@ impl RenderThread {
     /// All input is taken before each picture: what is rendered for one may depend on what another changed.
     fn take_input(&mut self) {
         for session in &mut self.sessions {
-            session.take_input(&mut self.stage, &self.files);
+            session.take_input(&mut self.live_scene, &self.files);
         }
     }
 
@@ -75,7 +81,7 @@ impl RenderThread {
             let Some(session) = self.sessions.get_mut(index) else { break };
             let (urgency, had, start) =
                 (session.urgency(), session.had(self.level.saturating_sub(CREDIT)), Instant::now());
-            let worked = match session.step(&mut self.stage, self.opened.elapsed()) {
+            let worked = match session.step(&mut self.live_scene, self.opened.elapsed()) {
                 // One page too many is not the end for the others.
                 Err(error) if error.is_memory() && others => session.refuse(&error),
                 done => done?,
@@ -97,7 +103,7 @@ impl RenderThread {
     /// count as a small one of another.
     fn order(&self) -> Vec<usize> {
         let mut due: Vec<_> =
-            (0..self.sessions.len()).filter(|&index| self.sessions[index].is_due(&self.stage)).collect();
+            (0..self.sessions.len()).filter(|&index| self.sessions[index].is_due(&self.live_scene)).collect();
         let least = self.level.saturating_sub(CREDIT);
         due.sort_by_key(|&index| {
             let session = &self.sessions[index];
@@ -108,6 +114,6 @@ impl RenderThread {
 
     fn tell(&mut self, registry: &ClientRegistry) {
         let viewers = registry.taken();
-        self.sessions.iter_mut().for_each(|session| session.tell(&self.stage, viewers));
+        self.sessions.iter_mut().for_each(|session| session.tell(&self.live_scene, viewers));
     }
 }

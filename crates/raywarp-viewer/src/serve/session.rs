@@ -9,7 +9,7 @@ use super::files::Files;
 use super::protocol::{scaled, size_within_limits, FromServer, Link};
 use super::quality::Setting;
 use super::stripes::Coding;
-use crate::live::{Event, Outcome, Panel, Picture, Stage, StageVersion, Viewer};
+use crate::live::{Event, LiveScene, LiveSceneVersion, Outcome, Panel, Picture, Viewer};
 use crate::ViewerError;
 
 /// Shortest time between two pictures: no screen shows more.
@@ -67,7 +67,7 @@ struct Told {
 /// What is told that does not come from the client's own viewer.
 #[derive(Clone, Debug, PartialEq)]
 struct News {
-    stage: StageVersion,
+    live_scene: LiveSceneVersion,
     setting: Setting,
     viewers: usize,
 }
@@ -101,7 +101,7 @@ impl Session {
     }
 
     /// Hands all input to the viewer.
-    pub fn take_input(&mut self, stage: &mut Stage, files: &Files) {
+    pub fn take_input(&mut self, live_scene: &mut LiveScene, files: &Files) {
         let taken = self.client.take();
         if let Some(why) = self.client.take_file_failure() {
             self.viewer.export_failed(why);
@@ -114,22 +114,22 @@ impl Session {
             match event {
                 Event::Resize { width, height } => self.size.asked = size_within_limits([width, height]),
                 event => {
-                    let outcomes = self.viewer.handle(stage, &event);
+                    let outcomes = self.viewer.handle(live_scene, &event);
                     outcomes.into_iter().for_each(|outcome| self.carry_out(outcome, files));
                 }
             }
         }
         self.mark = taken.mark.unwrap_or(self.mark);
-        self.fit(stage);
+        self.fit(live_scene);
     }
 
     /// Fewer pixels for a client that cannot keep up, while something moves.
-    fn fit(&mut self, stage: &mut Stage) {
+    fn fit(&mut self, live_scene: &mut LiveScene) {
         let scale = if self.is_at_rest() { 1.0 } else { self.client.setting().scale };
         let [width, height] = if scale < 1.0 { scaled(self.size.asked, scale) } else { self.size.asked };
         if self.size.given != [width, height] {
             self.size.given = [width, height];
-            self.viewer.handle(stage, &Event::Resize { width, height });
+            self.viewer.handle(live_scene, &Event::Resize { width, height });
         }
     }
 
@@ -143,11 +143,11 @@ impl Session {
     }
 
     /// Whether there is something to show and the client is ready for it.
-    pub fn is_due(&self, stage: &Stage) -> bool {
+    pub fn is_due(&self, live_scene: &LiveScene) -> bool {
         if self.begun.is_some_and(|begun| begun.elapsed() < SHORTEST) {
             return false;
         }
-        if self.viewer.wants_frame(stage) {
+        if self.viewer.wants_frame(live_scene) {
             return self.client.is_ready();
         }
         self.owed.is_some() && self.is_at_rest() && self.client.is_idle()
@@ -176,8 +176,9 @@ impl Session {
     }
 
     /// Makes a picture, or sends the last one without loss. Whether anything was done.
-    pub fn step(&mut self, stage: &mut Stage, now: Duration) -> Result<bool, ViewerError> {
-        let worked = if self.viewer.wants_frame(stage) { self.render(stage, now)? } else { self.send_lossless() };
+    pub fn step(&mut self, live_scene: &mut LiveScene, now: Duration) -> Result<bool, ViewerError> {
+        let worked =
+            if self.viewer.wants_frame(live_scene) { self.render(live_scene, now)? } else { self.send_lossless() };
         self.told.stale |= worked;
         Ok(worked)
     }
@@ -189,8 +190,8 @@ impl Session {
         true
     }
 
-    fn render(&mut self, stage: &mut Stage, now: Duration) -> Result<bool, ViewerError> {
-        let Some(picture) = self.viewer.frame(stage, now)? else { return Ok(false) };
+    fn render(&mut self, live_scene: &mut LiveScene, now: Duration) -> Result<bool, ViewerError> {
+        let Some(picture) = self.viewer.frame(live_scene, now)? else { return Ok(false) };
         let frame = self.depart(false);
         self.owed = picture.settled.then(|| Arc::clone(&picture));
         let quality = self.client.setting().jpeg;
@@ -206,20 +207,20 @@ impl Session {
     }
 
     /// Tells status and panel where they have changed, a few times a second. A page where nothing happens costs nothing.
-    pub fn tell(&mut self, stage: &Stage, viewers: usize) {
+    pub fn tell(&mut self, live_scene: &LiveScene, viewers: usize) {
         let pause = if self.told.soon { TELLING_SOON } else { TELLING };
         if self.told.at.is_some_and(|at| at.elapsed() < pause) {
             return;
         }
-        let news = Some(News { stage: stage.version(), setting: self.client.setting(), viewers });
+        let news = Some(News { live_scene: live_scene.version(), setting: self.client.setting(), viewers });
         if !self.told.stale && self.told.news == news {
             return;
         }
         (self.told.at, self.told.soon, self.told.stale, self.told.news) = (Some(Instant::now()), false, false, news);
-        self.tell_now(stage, viewers);
+        self.tell_now(live_scene, viewers);
     }
 
-    fn tell_now(&mut self, stage: &Stage, viewers: usize) {
+    fn tell_now(&mut self, live_scene: &LiveScene, viewers: usize) {
         let setting = self.client.setting();
         let link = Link {
             quality: setting.jpeg,
@@ -228,12 +229,12 @@ impl Session {
             ping_ms: setting.ping_ms,
             viewers,
         };
-        let status = FromServer::Status { status: &self.viewer.status(stage), link }.text();
+        let status = FromServer::Status { status: &self.viewer.status(live_scene), link }.text();
         if status != self.told.status {
             self.client.outbox.status(status.clone());
             self.told.status = status;
         }
-        let panel = self.viewer.panel(stage);
+        let panel = self.viewer.panel(live_scene);
         if self.told.panel.as_ref() != Some(&panel) {
             self.client.outbox.panel(FromServer::Panel { panel: &panel }.text());
             self.told.panel = Some(panel);

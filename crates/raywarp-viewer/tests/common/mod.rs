@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use raywarp::backend::{Device, DeviceChoice};
-use raywarp_viewer::live::{Source, Stage, StageOptions};
+use raywarp_viewer::live::{LiveScene, LiveSceneOptions, Source};
 use raywarp_viewer::serve::{Patience, ServeError, ServeOptions, Server, Stopper, PROTOCOL};
 use serde_json::{json, Value};
 use tungstenite::client::IntoClientRequest;
@@ -62,7 +62,7 @@ impl House {
         std::fs::write(&path, scene).unwrap();
         let server = Server::bind(ServeOptions { port: 0, ..options }).unwrap();
         let (at, stopper) = (server.address(), server.stopper());
-        let server = std::thread::spawn(move || server.run(|| stage(path)));
+        let server = std::thread::spawn(move || server.run(|| live_scene(path)));
         Self { at, stopper, server: Some(server), _directory: directory }
     }
 
@@ -120,15 +120,15 @@ impl Drop for House {
 }
 
 /// The scene of a file, on the CPU.
-pub fn stage(path: PathBuf) -> Stage {
+pub fn live_scene(path: PathBuf) -> LiveScene {
     let device = Device::open(DeviceChoice::Cpu).unwrap();
-    Stage::open(Source { path: Some(path), ..Source::default() }, device, StageOptions::default())
+    LiveScene::open(Source { path: Some(path), ..Source::default() }, device, LiveSceneOptions::default())
 }
 
-pub fn own_stage(directory: &tempfile::TempDir) -> Stage {
+pub fn own_stage(directory: &tempfile::TempDir) -> LiveScene {
     let path = directory.path().join("scene.toml");
     std::fs::write(&path, SCENE).unwrap();
-    stage(path)
+    live_scene(path)
 }
 
 /// For waits that a test can sit out.

@@ -8,7 +8,7 @@ use raywarp::backend::Device;
 use raywarp::image::{png, Development};
 use raywarp::render::{RenderOptions, Tracer};
 use raywarp::scene::Camera;
-use raywarp_viewer::live::{Button, Event, Modifiers, Outcome, Picture, Source, Stage, StageOptions, Viewer};
+use raywarp_viewer::live::{Button, Event, LiveScene, LiveSceneOptions, Modifiers, Outcome, Picture, Source, Viewer};
 
 pub const SIZE: [u32; 2] = [96, 54];
 pub const SPP: u32 = 4;
@@ -20,26 +20,26 @@ pub fn device() -> Device {
 
 /// A viewer before a stage.
 pub struct Session {
-    pub stage: Stage,
+    pub live_scene: LiveScene,
     pub viewer: Viewer,
     start: Instant,
     shown: Vec<u8>,
 }
 
 impl Session {
-    pub fn open(source: Source, mut options: StageOptions) -> Self {
-        options.wishes.spp.get_or_insert(SPP);
-        let stage = Stage::open(source, device(), options);
+    pub fn open(source: Source, mut options: LiveSceneOptions) -> Self {
+        options.overrides.spp.get_or_insert(SPP);
+        let live_scene = LiveScene::open(source, device(), options);
         let viewer = Viewer::new(SIZE);
-        Self { stage, viewer, start: Instant::now(), shown: Vec::new() }
+        Self { live_scene, viewer, start: Instant::now(), shown: Vec::new() }
     }
 
     pub fn handle(&mut self, event: Event) -> Vec<Outcome> {
-        self.viewer.handle(&mut self.stage, &event)
+        self.viewer.handle(&mut self.live_scene, &event)
     }
 
     pub fn frame(&mut self) -> Option<Arc<Picture>> {
-        let picture = self.viewer.frame(&mut self.stage, self.start.elapsed()).expect("the device works")?;
+        let picture = self.viewer.frame(&mut self.live_scene, self.start.elapsed()).expect("the device works")?;
         self.shown.clone_from(&picture.rgba);
         Some(picture)
     }
@@ -51,7 +51,7 @@ impl Session {
             assert!(
                 begin.elapsed() < Duration::from_secs(60),
                 "it never settles: {:?}",
-                self.viewer.status(&self.stage)
+                self.viewer.status(&self.live_scene)
             );
             match self.frame() {
                 Some(picture) => pictures.push(picture),
@@ -92,5 +92,5 @@ pub fn pixels(tracer: &Tracer, camera: &Camera, options: &RenderOptions) -> Vec<
 /// A picture as a screen shows it.
 pub fn developed(tracer: &Tracer, camera: &Camera, options: &RenderOptions, development: &Development) -> Vec<u8> {
     let picture = tracer.render(camera, options, &mut |_| ()).unwrap().picture;
-    png::develop(&picture, development).pixels.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect()
+    png::tone_map_film(&picture, development).pixels.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect()
 }

@@ -1,7 +1,7 @@
 //! Where to cut a range of triangles: the surface area heuristic over bins (Wald 2007).
 
 use rayon::prelude::*;
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::triangle::Triangle;
 
 use super::bounds::Bounds;
 use super::{NODE_COST, TRIANGLE_COST};

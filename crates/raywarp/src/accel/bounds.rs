@@ -1,8 +1,8 @@
 //! Axis-aligned boxes.
 
-use raywarp_kernels::math::Vec3;
-pub(super) use raywarp_kernels::triangle::MARGIN;
-use raywarp_kernels::triangle::{padded, Triangle};
+use raywarp_core::math::Vec3;
+pub(super) use raywarp_core::triangle::MARGIN;
+use raywarp_core::triangle::{padded, Triangle};
 
 /// From `low` to `high`, both included.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,14 +1,14 @@
 //! The boxes of a structure by their distance from the root, to be looked at.
 
-use raywarp_kernels::math::Vec3;
-use raywarp_kernels::traverse;
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::math::Vec3;
+use raywarp_core::traversal;
+use raywarp_core::triangle::Triangle;
 
 use super::bounds::Bounds;
 use super::bvh2::{child_box, children_of};
 use super::collapse::Link;
 use super::wide::Told;
-use super::{bvh8f, compact, kdtree, Accel};
+use super::{bvh2_quantized, bvh8f, kdtree, Accel};
 
 /// Most boxes of a structure that are told at once.
 pub const MAX_BOXES: usize = 1 << 14;
@@ -53,7 +53,7 @@ pub fn of_list(triangles: &[Triangle], level: u32) -> Vec<TreeBox> {
 }
 
 /// The cells of a k-d tree, whose root goes from a low to a high corner.
-pub fn of_cells(nodes: &[traverse::kdtree::Node], corners: [Vec3; 2], level: u32) -> Vec<TreeBox> {
+pub fn of_cells(nodes: &[traversal::kdtree::Node], corners: [Vec3; 2], level: u32) -> Vec<TreeBox> {
     // The tree of an empty scene is a leaf.
     let is_empty = matches!(nodes, [node] if node.count() == 0);
     let [low, high] = corners.map(|corner| corner.to_array());
@@ -62,13 +62,17 @@ pub fn of_cells(nodes: &[traverse::kdtree::Node], corners: [Vec3; 2], level: u32
 }
 
 /// The boxes of a binary hierarchy.
-pub fn of_bvh2(nodes: &[traverse::bvh2::Node], level: u32) -> Vec<TreeBox> {
+pub fn of_bvh2(nodes: &[traversal::bvh2::Node], level: u32) -> Vec<TreeBox> {
     of_nodes(level, |node| at(nodes, node, sides))
 }
 
 /// The same on a grid.
-pub fn of_compact(nodes: &[traverse::compact::Node], grid: &traverse::compact::Grid, level: u32) -> Vec<TreeBox> {
-    of_nodes(level, |node| at(nodes, node, |node| sides(&compact::expand(node, grid))))
+pub fn of_compact(
+    nodes: &[traversal::bvh2_quantized::Node],
+    grid: &traversal::bvh2_quantized::Grid,
+    level: u32,
+) -> Vec<TreeBox> {
+    of_nodes(level, |node| at(nodes, node, |node| sides(&bvh2_quantized::expand(node, grid))))
 }
 
 /// The boxes of a hierarchy with many children a node, which `told` reads.
@@ -86,7 +90,7 @@ fn at<N>(nodes: &[N], node: u32, parts: impl Fn(&N) -> Parts) -> Parts {
     nodes.get(node as usize).map_or([None; 8], parts)
 }
 
-fn cells(node: &traverse::kdtree::Node, cell: &Bounds) -> Parts {
+fn cells(node: &traversal::kdtree::Node, cell: &Bounds) -> Parts {
     let mut parts = [None; 8];
     if !node.is_leaf() {
         // A median may lie outside of the cell: one side of it is empty then.
@@ -102,7 +106,7 @@ fn is_empty(Bounds { low, high }: &Bounds) -> bool {
     (0..3).any(|i| low[i] > high[i])
 }
 
-fn sides(node: &traverse::bvh2::Node) -> Parts {
+fn sides(node: &traversal::bvh2::Node) -> Parts {
     let mut parts = [None; 8];
     for side in children_of(node) {
         let child = node.children[side];

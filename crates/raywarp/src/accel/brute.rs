@@ -1,7 +1,7 @@
 //! No structure: the list of triangles itself.
 
-use raywarp_kernels::traverse;
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::traversal;
+use raywarp_core::triangle::Triangle;
 
 use super::view::{lend, Borrowed};
 use super::{BuildError, TreeStats, TRIANGLE_COST};
@@ -28,8 +28,8 @@ impl Brute {
     }
 
     /// For tracing on this machine.
-    pub fn view(&self) -> Borrowed<'_, traverse::Brute> {
-        Borrowed::new(traverse::Brute { triangles: lend(&self.triangles) })
+    pub fn view(&self) -> Borrowed<'_, traversal::Brute> {
+        Borrowed::new(traversal::Brute { triangles: lend(&self.triangles) })
     }
 
     /// One leaf of everything.

@@ -1,10 +1,10 @@
 //! A binary hierarchy of boxes, owned by the host.
 
 use rayon::prelude::*;
-use raywarp_kernels::math::Vec3;
-use raywarp_kernels::traverse;
-use raywarp_kernels::traverse::bvh2::{Child, Node, MAX_DEPTH};
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::math::Vec3;
+use raywarp_core::traversal;
+use raywarp_core::traversal::bvh2::{Child, Node, MAX_DEPTH};
+use raywarp_core::triangle::Triangle;
 
 use super::bounds::Bounds;
 use super::cover::Parts;
@@ -44,8 +44,8 @@ impl Bvh2 {
     }
 
     /// For tracing on this machine.
-    pub fn view(&self) -> Borrowed<'_, traverse::Bvh2> {
-        Borrowed::new(traverse::Bvh2 {
+    pub fn view(&self) -> Borrowed<'_, traversal::Bvh2> {
+        Borrowed::new(traversal::Bvh2 {
             nodes: lend(&self.nodes),
             triangles: lend(&self.triangles),
             reach: self.reach(),
@@ -63,7 +63,7 @@ impl Bvh2 {
         self.build_seconds
     }
 
-    /// See [`traverse::Bvh2::reach`].
+    /// See [`traversal::Bvh2::reach`].
     pub fn reach(&self) -> Vec3 {
         let Bounds { low, high } = self.bounds();
         let [x, y, z] = [0, 1, 2].map(|i| if low[i] <= high[i] { low[i].abs().max(high[i].abs()) } else { 0.0 });

@@ -7,10 +7,10 @@
 use std::time::Instant;
 
 use rayon::prelude::*;
-use raywarp_kernels::math::Vec3;
-use raywarp_kernels::ray::MISS;
-use raywarp_kernels::traverse::bvh2::{Child, Node, MAX_DEPTH, MAX_INDEX, MAX_LEAF};
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::math::Vec3;
+use raywarp_core::ray::MISS;
+use raywarp_core::traversal::bvh2::{Child, Node, MAX_DEPTH, MAX_INDEX, MAX_LEAF};
+use raywarp_core::triangle::Triangle;
 
 use super::bins::{around, halve, Bins, Item, Split};
 use super::bounds::Bounds;
@@ -136,7 +136,7 @@ fn empty(start: Instant) -> Bvh2 {
 mod tests {
     use super::*;
     use crate::accel::Invalid;
-    use raywarp_kernels::math::vec3;
+    use raywarp_core::math::vec3;
 
     fn at(x: f32, size: f32, primitive: u32) -> Triangle {
         let corner = |y, z| vec3(x, y * size, z * size);
@@ -175,8 +175,8 @@ mod tests {
     fn threads_do_not_change_the_tree() {
         let triangles = row(50_000, |i| (i as f32 * 0.618).fract());
         let with = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| build(triangles.clone()).unwrap())
+            let persistent = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            persistent.install(|| build(triangles.clone()).unwrap())
         };
         let (one, four) = (with(1), with(4));
         assert!(one.nodes == four.nodes && one.triangles == four.triangles);

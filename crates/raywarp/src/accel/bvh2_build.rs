@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use raywarp_kernels::traverse::bvh2::MAX_INDEX;
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::traversal::bvh2::MAX_INDEX;
+use raywarp_core::triangle::Triangle;
 
 use super::bvh2::Bvh2;
 use super::{bvh2_binned, leaves, reinsertion, topdown};
@@ -63,8 +63,8 @@ pub(super) fn build_ordered(triangles: &[Triangle], quality: Quality) -> Result<
 mod tests {
     use super::*;
     use crate::accel::Invalid;
-    use raywarp_kernels::math::vec3;
-    use raywarp_kernels::traverse::bvh2::MAX_DEPTH;
+    use raywarp_core::math::vec3;
+    use raywarp_core::traversal::bvh2::MAX_DEPTH;
 
     fn at(x: f32, size: f32, primitive: u32) -> Triangle {
         let corner = |y, z| vec3(x, y * size, z * size);
@@ -133,8 +133,8 @@ mod tests {
         let triangles = diagonals(50_000);
         for quality in Quality::ALL {
             let with = |threads| {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                pool.install(|| build(triangles.clone(), quality).unwrap())
+                let persistent = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                persistent.install(|| build(triangles.clone(), quality).unwrap())
             };
             let (one, four) = (with(1), with(4));
             assert!(one.nodes == four.nodes && one.triangles == four.triangles);

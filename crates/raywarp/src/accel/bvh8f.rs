@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
-use raywarp_kernels::ray::MISS;
-use raywarp_kernels::traverse;
-use raywarp_kernels::traverse::bvh2::{MAX_INDEX, MAX_LEAF};
-use raywarp_kernels::traverse::bvh8f::{Block, Node, BLOCK, MAX_DEPTH};
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::ray::MISS;
+use raywarp_core::traversal;
+use raywarp_core::traversal::bvh2::{MAX_INDEX, MAX_LEAF};
+use raywarp_core::traversal::bvh8f::{Block, Node, BLOCK, MAX_DEPTH};
+use raywarp_core::triangle::Triangle;
 
 use super::bvh2::Bvh2;
 use super::collapse::{collapse, in_order, Link, Shape, WideNode, NOTHING};
@@ -72,8 +72,8 @@ impl Bvh8f {
     }
 
     /// For tracing on this machine.
-    pub fn view(&self) -> Borrowed<'_, traverse::Bvh8f> {
-        Borrowed::new(traverse::Bvh8f { nodes: lend(&self.nodes), blocks: lend(&self.blocks) })
+    pub fn view(&self) -> Borrowed<'_, traversal::Bvh8f> {
+        Borrowed::new(traversal::Bvh8f { nodes: lend(&self.nodes), blocks: lend(&self.blocks) })
     }
 
     /// Size and quality.

@@ -2,7 +2,7 @@
 //!
 //! In double precision: what its rounding moves is far less than the margin that a box leaves around its triangle.
 
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::triangle::Triangle;
 
 use super::bounds::Bounds;
 
@@ -128,7 +128,7 @@ fn rounded_down(x: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raywarp_kernels::math::vec3;
+    use raywarp_core::math::vec3;
 
     fn triangle() -> Triangle {
         Triangle::new(vec3(0.0, 0.0, 0.0), vec3(4.0, 0.0, 0.0), vec3(0.0, 4.0, 1.0), 0, 0)

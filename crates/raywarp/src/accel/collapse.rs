@@ -4,8 +4,8 @@
 //! what each subtree costs as at most 1, 2, … trees of the wide kind, by the surface area heuristic; from the root
 //! downwards the best choice is followed.
 
-use raywarp_kernels::traverse::bvh2::Child;
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::traversal::bvh2::Child;
+use raywarp_core::triangle::Triangle;
 
 use super::bounds::Bounds;
 use super::bvh2::{child_box, children_of, Bvh2};

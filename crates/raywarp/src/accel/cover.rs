@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 
 use rayon::prelude::*;
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::triangle::Triangle;
 
 use super::bounds::{Bounds, MARGIN};
 use super::clip::Polygon;
@@ -164,7 +164,7 @@ fn meets(space: &Space, piece: &Polygon) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raywarp_kernels::math::vec3;
+    use raywarp_core::math::vec3;
 
     fn triangle() -> Triangle {
         Triangle::new(vec3(0.0, 0.0, 0.0), vec3(8.0, 0.0, 0.0), vec3(0.0, 8.0, 8.0), 0, 0)

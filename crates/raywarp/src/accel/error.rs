@@ -1,6 +1,6 @@
 //! What can go wrong with a structure, as sentences.
 
-use raywarp_kernels::traverse::bvh2::MAX_INDEX;
+use raywarp_core::traversal::bvh2::MAX_INDEX;
 
 use super::AccelKind;
 

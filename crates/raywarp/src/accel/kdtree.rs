@@ -2,10 +2,10 @@
 
 use std::time::Instant;
 
-use raywarp_kernels::math::Vec3;
-use raywarp_kernels::traverse;
-use raywarp_kernels::traverse::kdtree::{Node, MAX_DEPTH};
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::math::Vec3;
+use raywarp_core::traversal;
+use raywarp_core::traversal::kdtree::{Node, MAX_DEPTH};
+use raywarp_core::triangle::Triangle;
 
 use super::bounds::Bounds;
 use super::cover::Space;
@@ -69,8 +69,8 @@ impl KdTree {
     }
 
     /// For tracing on this machine.
-    pub fn view(&self) -> Borrowed<'_, traverse::KdTree> {
-        Borrowed::new(traverse::KdTree {
+    pub fn view(&self) -> Borrowed<'_, traversal::KdTree> {
+        Borrowed::new(traversal::KdTree {
             nodes: lend(&self.nodes),
             references: lend(&self.references),
             triangles: lend(&self.triangles),

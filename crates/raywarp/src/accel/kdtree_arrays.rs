@@ -1,6 +1,6 @@
 //! What builders of k-d trees share: how a tree grows, the arrays that it grows in, and how large it may become.
 
-use raywarp_kernels::traverse::kdtree::{Node, MAX_DEPTH, MAX_LINK};
+use raywarp_core::traversal::kdtree::{Node, MAX_DEPTH, MAX_LINK};
 
 /// References of all leaves together are at most this many times the triangles. A cell that must not add as many as
 /// its split would becomes a leaf instead.

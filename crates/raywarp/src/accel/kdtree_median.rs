@@ -8,7 +8,7 @@
 use std::time::Instant;
 
 use rayon::prelude::*;
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::triangle::Triangle;
 
 use super::bounds::Bounds;
 use super::kdtree::KdTree;
@@ -86,8 +86,8 @@ impl Builder<'_> {
 mod tests {
     use super::*;
     use crate::accel::Invalid;
-    use raywarp_kernels::math::vec3;
-    use raywarp_kernels::traverse::kdtree::Node;
+    use raywarp_core::math::vec3;
+    use raywarp_core::traversal::kdtree::Node;
 
     fn at(x: f32, size: f32, primitive: u32) -> Triangle {
         let corner = |y, z| vec3(x, y * size, z * size);
@@ -169,8 +169,8 @@ mod tests {
         let triangles: Vec<_> =
             (0..20_000).map(|i| at((i as f32 * 0.618).fract(), (i as f32 * 0.1).fract(), i)).collect();
         let with = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| build(triangles.clone()).unwrap())
+            let persistent = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            persistent.install(|| build(triangles.clone()).unwrap())
         };
         let (one, four) = (with(1), with(4));
         assert!(one.nodes == four.nodes && one.references == four.references);

@@ -2,8 +2,8 @@
 
 use raywarp_scene::settings::{AccelKind, Quality, RenderDefaults};
 
-use raywarp_kernels::kernels::Closest;
-use raywarp_kernels::traverse::Bvh8f;
+use raywarp_core::kernels::Closest;
+use raywarp_core::traversal::Bvh8f;
 
 use super::BuildError;
 use crate::backend::Device;

@@ -5,7 +5,7 @@
 //!
 //! The larger child follows its parent directly: more rays go there next than to the other.
 
-use raywarp_kernels::traverse::bvh2::{Child, Node, MAX_DEPTH, MAX_LEAF};
+use raywarp_core::traversal::bvh2::{Child, Node, MAX_DEPTH, MAX_LEAF};
 
 use super::binary::{Tree, ROOT};
 use super::bounds::Bounds;

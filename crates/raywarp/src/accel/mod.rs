@@ -1,16 +1,16 @@
 //! Building what finds the triangles along a ray.
 //!
-//! The way of a triangle: [`sift`] drops what can never be hit, [`Accel::build`] picks a builder ([`brute`] keeps the
-//! list, [`kdtree_median`] builds a [`kdtree`], [`bvh2_build`] a [`bvh2`], of which [`compact`], [`octants`] and [`bvh8f`] are other
+//! The way of a triangle: [`drop_degenerate`] drops what can never be hit, [`Accel::build`] picks a builder ([`brute`] keeps the
+//! list, [`kdtree_median`] builds a [`kdtree`], [`bvh2_build`] a [`bvh2`], of which [`bvh2_quantized`], [`bvh2_dual`] and [`bvh8f`] are other
 //! layouts), [`Accel::validate`] proves that traversal will neither miss a triangle nor leave the
 //! arrays, [`Accel::stats`] says how good the tree is.
 //!
-//! Where meshes are placed many times, [`instanced`] keeps each once, with a tree over the placements.
+//! Where meshes are placed many times, [`two_level`] keeps each once, with a tree over the placements.
 //!
 //! A [`bvh2`] of quality goes through a binary tree with one triangle a leaf: built from the top, with spatial splits
 //! where they pay, made better by reinsertion, and collapsed.
 //!
-//! The structures are those of [`raywarp_kernels::traverse`], owned by the host. Traced on the CPU or copied to a
+//! The structures are those of [`raywarp_core::traversal`], owned by the host. Traced on the CPU or copied to a
 //! device as they are ([`Resident`]), they give the same hits: those of brute force. Structures of others join by the same trait.
 
 mod binary;
@@ -23,38 +23,38 @@ pub mod brute;
 pub mod bvh2;
 pub mod bvh2_binned;
 pub mod bvh2_build;
+pub mod bvh2_dual;
+pub mod bvh2_quantized;
 pub mod bvh8f;
 pub mod cache;
 #[doc(hidden)]
 pub mod clip;
 #[doc(hidden)]
 pub mod collapse;
-pub mod compact;
 mod cover;
 mod error;
-pub mod instanced;
 pub mod kdtree;
 #[doc(hidden)]
 pub mod kdtree_arrays;
 pub mod kdtree_median;
 mod kind;
 mod leaves;
-pub mod octants;
 mod reinsertion;
 mod resident;
 mod spatial;
 mod stats;
 mod topdown;
 mod triangles;
+pub mod two_level;
 mod view;
 #[doc(hidden)]
 pub mod wide;
 
 use std::borrow::Cow;
 
-use raywarp_kernels::ray::{Hit, Ray};
-use raywarp_kernels::traverse::{closest, occlusion, Counter, Occlusion};
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::ray::{Hit, Ray};
+use raywarp_core::traversal::{closest, occlusion, Counter, Occlusion};
+use raywarp_core::triangle::Triangle;
 
 pub use crate::scene::settings::{AccelKind, Quality, UnknownKind, UnknownQuality};
 pub use boxes::{TreeBox, MAX_BOXES};
@@ -62,13 +62,13 @@ pub use error::{BuildError, Invalid};
 pub(crate) use kind::check_device;
 pub use kind::{fastest_on, Build};
 pub use resident::{
-    Rendered, Resident, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentCompact, ResidentInstanced, ResidentKd,
-    ResidentOctants,
+    Rendered, Resident, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd, ResidentQuantized,
+    ResidentTwoLevel,
 };
 pub use stats::{TreeStats, NODE_COST, TRIANGLE_COST};
 #[doc(hidden)]
 pub use triangles::is_finite;
-pub use triangles::{sift, Dropped, Unhittable};
+pub use triangles::{drop_degenerate, Dropped, Unhittable};
 pub use view::Borrowed;
 
 /// A structure that holds the triangles of a scene, whichever it is.
@@ -81,15 +81,15 @@ pub enum Accel {
     /// A binary hierarchy of boxes.
     Bvh2(bvh2::Bvh2),
     /// The same in half the memory.
-    Bvh2c(compact::Compact),
+    Bvh2c(bvh2_quantized::QuantizedBvh2),
     /// Both.
-    Bvh(octants::Octants),
+    Bvh(bvh2_dual::DualBvh2),
     /// Eight boxes a node in full precision.
     Bvh8f(bvh8f::Bvh8f),
 }
 
 impl Accel {
-    /// Arranges triangles. Those that [`sift`] would drop are never hit, but would make the tree worse.
+    /// Arranges triangles. Those that [`drop_degenerate`] would drop are never hit, but would make the tree worse.
     ///
     /// # Errors
     /// More triangles than an index of the structure can tell apart.
@@ -108,8 +108,8 @@ impl Accel {
     /// More triangles than an index of the layout can tell apart.
     pub fn laid_out(kind: AccelKind, tree: bvh2::Bvh2) -> Result<Self, BuildError> {
         Ok(match kind {
-            AccelKind::Bvh2c => Self::Bvh2c(compact::Compact::new(tree)),
-            AccelKind::Bvh => Self::Bvh(octants::Octants::new(tree)),
+            AccelKind::Bvh2c => Self::Bvh2c(bvh2_quantized::QuantizedBvh2::new(tree)),
+            AccelKind::Bvh => Self::Bvh(bvh2_dual::DualBvh2::new(tree)),
             AccelKind::Bvh8f => Self::Bvh8f(bvh8f::Bvh8f::from_bvh2(&tree)?),
             AccelKind::Brute | AccelKind::Kd | AccelKind::Bvh2 => Self::Bvh2(tree),
         })
@@ -168,7 +168,7 @@ impl Accel {
         }
     }
 
-    /// [`raywarp_kernels::traverse::closest`] on this machine.
+    /// [`raywarp_core::traversal::closest`] on this machine.
     pub fn closest(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
         match self {
             Self::Brute(list) => closest(&list.view(), ray, previous, counter),
@@ -180,7 +180,7 @@ impl Accel {
         }
     }
 
-    /// [`raywarp_kernels::traverse::occlusion`] on this machine.
+    /// [`raywarp_core::traversal::occlusion`] on this machine.
     pub fn occlusion(&self, ray: &Ray, counter: &mut impl Counter) -> Occlusion {
         match self {
             Self::Brute(list) => occlusion(&list.view(), ray, counter),

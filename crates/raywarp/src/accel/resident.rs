@@ -1,13 +1,13 @@
 //! Structures in the memory of a device: their arrays, and what kernels are given of them.
 
-use raywarp_kernels::math::Vec3;
-use raywarp_kernels::traverse::{self, bvh2, bvh8f, compact, kdtree, Compact, Structure};
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::math::Vec3;
+use raywarp_core::traversal::{self, bvh2, bvh2_quantized, bvh8f, kdtree, QuantizedBvh2, Structure};
+use raywarp_core::triangle::Triangle;
 
 use super::boxes::{self, TreeBox};
-use super::instanced::Instanced;
 use super::kdtree::KdTree;
-use super::{brute, compact as host, octants};
+use super::two_level::TwoLevel;
+use super::{brute, bvh2_dual, bvh2_quantized as host};
 use crate::backend::{Buffer, Device, DeviceError};
 
 /// What traversal reads, in buffers of a device. Whatever implements this is traced by every kernel of queries: raywarp's own
@@ -27,8 +27,8 @@ pub unsafe trait Resident: Send + Sync + 'static {
     /// For [`Long`](Self::Long) kernels.
     fn long(&self) -> Self::Long;
 
-    /// The tree as a [pool](raywarp_kernels::pool) traverses it, where it can.
-    fn pooled(&self) -> Option<Compact> {
+    /// The tree as [persistent threads](raywarp_core::persistent) traverse it, where they can.
+    fn persistent(&self) -> Option<QuantizedBvh2> {
         None
     }
 }
@@ -66,14 +66,14 @@ macro_rules! resident {
 }
 
 resident! {
-    ResidentBrute: traverse::Brute, list => traverse::Brute { triangles: list.triangles.view() };
-    ResidentKd: traverse::KdTree, tree => tree.view();
-    ResidentBvh2: traverse::Bvh2, tree => tree.view();
-    ResidentCompact: Compact, tree => tree.view();
-    ResidentBvh8f: traverse::Bvh8f, tree => {
-        traverse::Bvh8f { nodes: tree.nodes.view(), blocks: tree.blocks.view() }
+    ResidentBrute: traversal::Brute, list => traversal::Brute { triangles: list.triangles.view() };
+    ResidentKd: traversal::KdTree, tree => tree.view();
+    ResidentBvh2: traversal::Bvh2, tree => tree.view();
+    ResidentQuantized: QuantizedBvh2, tree => tree.view();
+    ResidentBvh8f: traversal::Bvh8f, tree => {
+        traversal::Bvh8f { nodes: tree.nodes.view(), blocks: tree.blocks.view() }
     };
-    ResidentInstanced: traverse::Instanced, tree => traverse::Instanced {
+    ResidentTwoLevel: traversal::TwoLevel, tree => traversal::TwoLevel {
         nodes: tree.nodes.view(),
         triangles: tree.triangles.view(),
         instances: tree.instances.view(),
@@ -125,10 +125,10 @@ impl ResidentKd {
         })
     }
 
-    fn view(&self) -> traverse::KdTree {
+    fn view(&self) -> traversal::KdTree {
         let [low, high] = self.bounds;
         let (nodes, references, triangles) = (self.nodes.view(), self.references.view(), self.triangles.view());
-        traverse::KdTree { nodes, references, triangles, low, high }
+        traversal::KdTree { nodes, references, triangles, low, high }
     }
 }
 
@@ -156,8 +156,8 @@ impl ResidentBvh2 {
         Ok(Self { nodes, triangles, reach: tree.reach() })
     }
 
-    fn view(&self) -> traverse::Bvh2 {
-        traverse::Bvh2 { nodes: self.nodes.view(), triangles: self.triangles.view(), reach: self.reach }
+    fn view(&self) -> traversal::Bvh2 {
+        traversal::Bvh2 { nodes: self.nodes.view(), triangles: self.triangles.view(), reach: self.reach }
     }
 }
 
@@ -169,76 +169,76 @@ unsafe impl Rendered for ResidentBvh2 {
 }
 
 /// The same with small nodes.
-pub struct ResidentCompact {
-    nodes: Buffer<compact::Node>,
+pub struct ResidentQuantized {
+    nodes: Buffer<bvh2_quantized::Node>,
     triangles: Buffer<Triangle>,
-    grid: compact::Grid,
+    grid: bvh2_quantized::Grid,
 }
 
-impl ResidentCompact {
+impl ResidentQuantized {
     /// Copies it there.
     ///
     /// # Errors
     /// The device has no room.
-    pub fn upload(device: &Device, tree: &host::Compact) -> Result<Self, DeviceError> {
+    pub fn upload(device: &Device, tree: &host::QuantizedBvh2) -> Result<Self, DeviceError> {
         let (nodes, triangles) = (device.upload(tree.nodes())?, device.upload(tree.triangles())?);
         Ok(Self { nodes, triangles, grid: tree.grid })
     }
 
-    fn view(&self) -> Compact {
-        Compact { nodes: self.nodes.view(), triangles: self.triangles.view(), grid: self.grid }
+    fn view(&self) -> QuantizedBvh2 {
+        QuantizedBvh2 { nodes: self.nodes.view(), triangles: self.triangles.view(), grid: self.grid }
     }
 }
 
 // SAFETY: as above.
-unsafe impl Rendered for ResidentCompact {
+unsafe impl Rendered for ResidentQuantized {
     fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
         Ok(boxes::of_compact(&self.nodes.items()?, &self.grid, level))
     }
 }
 
 /// Both kinds of nodes over the same triangles.
-pub struct ResidentOctants {
+pub struct ResidentDual {
     full: ResidentBvh2,
-    small: Buffer<compact::Node>,
-    grid: compact::Grid,
+    small: Buffer<bvh2_quantized::Node>,
+    grid: bvh2_quantized::Grid,
 }
 
-impl ResidentOctants {
+impl ResidentDual {
     /// Copies it there.
     ///
     /// # Errors
     /// The device has no room.
-    pub fn upload(device: &Device, tree: &octants::Octants) -> Result<Self, DeviceError> {
+    pub fn upload(device: &Device, tree: &bvh2_dual::DualBvh2) -> Result<Self, DeviceError> {
         let (full, small) = (ResidentBvh2::upload(device, &tree.full)?, device.upload(&tree.nodes)?);
         Ok(Self { full, small, grid: tree.grid })
     }
 
-    fn small(&self) -> Compact {
-        Compact { nodes: self.small.view(), triangles: self.full.triangles.view(), grid: self.grid }
+    fn small(&self) -> QuantizedBvh2 {
+        QuantizedBvh2 { nodes: self.small.view(), triangles: self.full.triangles.view(), grid: self.grid }
     }
 }
 
 // SAFETY: the buffers are its own, and the builders keep indices in range.
-unsafe impl Resident for ResidentOctants {
-    type Short = traverse::Octants;
-    type Long = Compact;
+unsafe impl Resident for ResidentDual {
+    type Short = traversal::DualBvh2;
+    type Long = QuantizedBvh2;
 
-    fn short(&self) -> traverse::Octants {
-        traverse::Octants { full: self.full.view(), compact: self.small() }
+    fn short(&self) -> traversal::DualBvh2 {
+        traversal::DualBvh2 { full: self.full.view(), quantized: self.small() }
     }
 
-    fn long(&self) -> Compact {
+    fn long(&self) -> QuantizedBvh2 {
         self.small()
     }
 
-    fn pooled(&self) -> Option<Compact> {
+    fn persistent(&self) -> Option<QuantizedBvh2> {
         Some(self.small())
     }
 }
 
 // SAFETY: as above.
-unsafe impl Rendered for ResidentOctants {
+unsafe impl Rendered for ResidentDual {
     fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
         self.full.boxes(level)
     }
@@ -268,19 +268,19 @@ unsafe impl Rendered for ResidentBvh8f {
 }
 
 /// Two levels on a device.
-pub struct ResidentInstanced {
+pub struct ResidentTwoLevel {
     nodes: Buffer<bvh2::Node>,
     triangles: Buffer<Triangle>,
-    instances: Buffer<traverse::instanced::Instance>,
+    instances: Buffer<traversal::two_level::Instance>,
     slack: f32,
 }
 
-impl ResidentInstanced {
+impl ResidentTwoLevel {
     /// Copies them there.
     ///
     /// # Errors
     /// The device has no room.
-    pub fn upload(device: &Device, tree: &Instanced) -> Result<Self, DeviceError> {
+    pub fn upload(device: &Device, tree: &TwoLevel) -> Result<Self, DeviceError> {
         device.reserve(tree.stats().bytes as u64, "the instances and their meshes")?;
         Ok(Self {
             nodes: device.upload(&tree.nodes)?,

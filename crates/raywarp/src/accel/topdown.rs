@@ -2,7 +2,7 @@
 //! 2007), and where boxes would overlap with spatial splits (Stich, Friedrich and Dietrich 2009).
 
 use rayon::prelude::*;
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::triangle::Triangle;
 
 use super::binary::{Link, Node, Tree, ROOT};
 use super::bins::{around, halve, Bins, Item, Split};

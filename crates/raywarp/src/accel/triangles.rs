@@ -1,7 +1,7 @@
 //! Which triangles can be hit at all.
 
-use raywarp_kernels::math::Vec3;
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::math::Vec3;
+use raywarp_core::triangle::Triangle;
 
 /// Triangles that no ray can hit, by the reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -42,7 +42,7 @@ impl Dropped {
 ///
 /// The area is taken in double precision from the corners as they are, where it neither overflows nor vanishes, and
 /// must be exactly zero for a triangle to go.
-pub fn sift(mut triangles: Vec<Triangle>) -> (Vec<Triangle>, Dropped) {
+pub fn drop_degenerate(mut triangles: Vec<Triangle>) -> (Vec<Triangle>, Dropped) {
     let mut dropped = Dropped::default();
     triangles.retain(|triangle| {
         let finite = is_finite(triangle);
@@ -75,7 +75,7 @@ fn difference(a: Vec3, b: Vec3) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use raywarp_kernels::math::vec3;
+    use raywarp_core::math::vec3;
 
     fn triangle(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> Triangle {
         Triangle::new(a.into(), b.into(), c.into(), 0, 0)
@@ -91,7 +91,7 @@ mod tests {
             triangle([1.0; 3], [1.0; 3], [2.0, 3.0, 4.0]),
             triangle([0.0; 3], [1.0, 2.0, 3.0], [2.0, 4.0, 6.0]),
         ];
-        let (kept, dropped) = sift(list);
+        let (kept, dropped) = drop_degenerate(list);
         assert_eq!(kept, [good]);
         assert_eq!(dropped, Dropped { not_finite: 2, without_area: 2 });
     }
@@ -100,7 +100,7 @@ mod tests {
     fn extreme_sizes_have_an_area() {
         for size in [1e-40, 1e-30, 1e30, 1e38] {
             let corner = triangle([0.0; 3], vec3(size, 0.0, 0.0).to_array(), vec3(0.0, size, 0.0).to_array());
-            assert_eq!(sift(vec![corner]).1, Dropped::default(), "{size}");
+            assert_eq!(drop_degenerate(vec![corner]).1, Dropped::default(), "{size}");
         }
     }
 }

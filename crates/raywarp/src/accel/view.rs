@@ -2,9 +2,9 @@
 
 use std::marker::PhantomData;
 
-use raywarp_kernels::ray::Ray;
-use raywarp_kernels::traverse::{Counter, Structure, Visitor};
-use raywarp_kernels::view::View;
+use raywarp_core::ray::Ray;
+use raywarp_core::traversal::{Counter, Structure, Visitor};
+use raywarp_core::view::View;
 
 /// A kernels' structure whose views point into arrays that are borrowed for `'a`.
 #[derive(Clone, Copy, Debug)]

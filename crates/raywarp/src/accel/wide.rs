@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::triangle::Triangle;
 
 use super::bounds::Bounds;
 use super::bvh2::is_point;
@@ -245,8 +245,8 @@ mod tests {
     use crate::accel::bvh2::Bvh2;
     use crate::accel::bvh2_binned;
     use crate::accel::bvh8f::Bvh8f;
-    use raywarp_kernels::math::vec3;
-    use raywarp_kernels::traverse::bvh2::{Child, Node, MAX_DEPTH};
+    use raywarp_core::math::vec3;
+    use raywarp_core::traversal::bvh2::{Child, Node, MAX_DEPTH};
 
     fn at(x: f32, size: f32, primitive: u32) -> Triangle {
         let corner = |y, z| vec3(x, y * size, z * size);

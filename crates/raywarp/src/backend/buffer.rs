@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use raywarp_kernels::view::{Plain, View, ViewMut};
+use raywarp_core::view::{Plain, View, ViewMut};
 
 use super::cuda::CudaBuffer;
 use super::{DeviceError, Machine};

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use rayon::prelude::*;
-use raywarp_kernels::kernels::{Kernel, Thread};
+use raywarp_core::kernels::{Kernel, Thread};
 
 /// Columns and rows that one task computes: neighbours meet the same nodes.
 const TILE: [u32; 2] = [16, 8];

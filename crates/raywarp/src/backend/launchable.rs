@@ -1,6 +1,6 @@
 //! Kernels with their parameters, whichever they are.
 
-use raywarp_kernels::kernels::Kernel;
+use raywarp_core::kernels::Kernel;
 
 use super::{Device, DeviceError, KernelInfo, Launch, Stream};
 

@@ -16,8 +16,8 @@ mod staging;
 mod stream;
 mod survey;
 
-use raywarp_kernels::kernels::Kernel;
-use raywarp_kernels::view::Plain;
+use raywarp_core::kernels::Kernel;
+use raywarp_core::view::Plain;
 
 pub use buffer::Buffer;
 pub use choice::{DeviceChoice, ParseDeviceError};

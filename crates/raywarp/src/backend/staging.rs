@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Deref;
 
-use raywarp_kernels::view::Plain;
+use raywarp_core::view::Plain;
 
 use super::{cuda, Buffer, Device, DeviceError, Machine};
 

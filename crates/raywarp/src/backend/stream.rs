@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use raywarp_kernels::kernels::Kernel;
+use raywarp_core::kernels::Kernel;
 
 use super::{cpu, cuda, DeviceError, Machine};
 

@@ -1,6 +1,6 @@
 //! From linear radiance to the bytes of a screen.
 
-use raywarp_kernels::display::{curve, Tone};
+use raywarp_core::display::{curve, Tone};
 use raywarp_scene::settings::{RenderDefaults, ToneMap};
 
 /// How radiance becomes a displayed colour. EXR files hold the radiance itself and ignore this.
@@ -36,7 +36,7 @@ impl From<&RenderDefaults> for Development {
 
 #[cfg(test)]
 mod tests {
-    use raywarp_kernels::display::srgb_byte;
+    use raywarp_core::display::srgb_byte;
 
     use raywarp_scene::srgb::srgb_to_linear;
 

@@ -10,9 +10,9 @@ use ::exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, ImageAttributes, Layer as Part, LayerAttributes, SmallVec,
     WritableImage,
 };
-use raywarp_kernels::kernels::Surfel;
-use raywarp_kernels::math::Vec3;
-use raywarp_kernels::traverse::Tests;
+use raywarp_core::kernels::FirstHit;
+use raywarp_core::math::Vec3;
+use raywarp_core::traversal::Tests;
 
 use super::provenance::EXR_FINGERPRINT;
 use super::{Format, ImageError, Layer, Layers, Picture, Provenance};
@@ -45,7 +45,7 @@ pub fn encode_described(
     }
     let mut channels = picture_channels(picture);
     for &layer in asked {
-        let layers = layers.filter(|layers| layers.surfels.len() == count).ok_or(ImageError::NoLayer(layer))?;
+        let layers = layers.filter(|layers| layers.first_hits.len() == count).ok_or(ImageError::NoLayer(layer))?;
         channels.extend(layer_channels(layers, layer)?);
     }
     let size = (width as usize, height as usize);
@@ -82,15 +82,15 @@ fn picture_channels(picture: &Picture) -> SmallVec<[Channel; 4]> {
 }
 
 fn layer_channels(layers: &Layers, layer: Layer) -> Result<Vec<Channel>, ImageError> {
-    let surfels = Surfels(&layers.surfels, layer);
+    let first_hits = FirstHits(&layers.first_hits, layer);
     Ok(match layer {
-        Layer::Depth => vec![surfels.float("Z", |s| s.depth)],
-        Layer::Normal => surfels.vector(["X", "Y", "Z"], |s| s.normal),
-        Layer::Albedo => surfels.vector(["R", "G", "B"], |s| s.albedo),
-        Layer::Uv => vec![surfels.float("U", |s| s.uv[0]), surfels.float("V", |s| s.uv[1])],
-        Layer::Position => surfels.vector(["X", "Y", "Z"], |s| s.position),
-        Layer::Primitive => vec![surfels.index("ID", |s| s.primitive)],
-        Layer::Material => vec![surfels.index("ID", |s| s.material)],
+        Layer::Depth => vec![first_hits.float("Z", |s| s.depth)],
+        Layer::Normal => first_hits.vector(["X", "Y", "Z"], |s| s.normal),
+        Layer::Albedo => first_hits.vector(["R", "G", "B"], |s| s.albedo),
+        Layer::Uv => vec![first_hits.float("U", |s| s.uv[0]), first_hits.float("V", |s| s.uv[1])],
+        Layer::Position => first_hits.vector(["X", "Y", "Z"], |s| s.position),
+        Layer::Primitive => vec![first_hits.index("ID", |s| s.primitive)],
+        Layer::Material => vec![first_hits.index("ID", |s| s.material)],
         Layer::Tests => test_channels(layers.tests.as_deref().ok_or(ImageError::NoLayer(layer))?),
     })
 }
@@ -103,25 +103,25 @@ fn test_channels(tests: &[Tests]) -> Vec<Channel> {
     vec![channel("nodes", |t| t.nodes), channel("triangles", |t| t.triangles), channel("rays", |t| t.rays)]
 }
 
-/// Surfels, and the layer that names the channels made of them.
-struct Surfels<'a>(&'a [Surfel], Layer);
+/// FirstHits, and the layer that names the channels made of them.
+struct FirstHits<'a>(&'a [FirstHit], Layer);
 
-impl Surfels<'_> {
+impl FirstHits<'_> {
     fn channel(&self, name: &str, samples: FlatSamples) -> Channel {
         AnyChannel::new(format!("{}.{name}", self.1).as_str(), samples)
     }
 
-    fn float(&self, name: &str, pick: fn(&Surfel) -> f32) -> Channel {
+    fn float(&self, name: &str, pick: fn(&FirstHit) -> f32) -> Channel {
         self.channel(name, FlatSamples::F32(self.0.iter().map(pick).collect()))
     }
 
-    fn index(&self, name: &str, pick: fn(&Surfel) -> u32) -> Channel {
+    fn index(&self, name: &str, pick: fn(&FirstHit) -> u32) -> Channel {
         self.channel(name, FlatSamples::U32(self.0.iter().map(pick).collect()))
     }
 
-    fn vector(&self, names: [&str; 3], pick: fn(&Surfel) -> Vec3) -> Vec<Channel> {
+    fn vector(&self, names: [&str; 3], pick: fn(&FirstHit) -> Vec3) -> Vec<Channel> {
         let channel = |(index, name)| {
-            let samples = self.0.iter().map(|surfel| pick(surfel).to_array()[index]).collect();
+            let samples = self.0.iter().map(|first_hit| pick(first_hit).to_array()[index]).collect();
             self.channel(name, FlatSamples::F32(samples))
         };
         names.into_iter().enumerate().map(channel).collect()
@@ -143,9 +143,9 @@ mod tests {
             whole: [16, 9],
             pixels: vec![[0.5, 1.0, 4.0, 1.0], [0.0; 4]],
         };
-        let seen = Surfel { depth: 2.5, primitive: 7, ..Surfel::NONE };
+        let seen = FirstHit { depth: 2.5, primitive: 7, ..FirstHit::NONE };
         let tests = Some(vec![Tests { nodes: 3, triangles: 5, rays: 1 }, Tests::default()]);
-        let layers = Layers { width: 2, height: 1, surfels: vec![seen, Surfel::NONE], tests };
+        let layers = Layers { width: 2, height: 1, first_hits: vec![seen, FirstHit::NONE], tests };
         let bytes = encode(&picture, Some(&layers), &Layer::ALL).unwrap();
 
         let image = ::exr::prelude::read().no_deep_data().largest_resolution_level().all_channels();

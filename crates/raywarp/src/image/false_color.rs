@@ -1,9 +1,9 @@
 //! Layers as pictures to look at.
 
-use raywarp_kernels::display::byte;
-use raywarp_kernels::false_color::{self as colors, is_miss, NOTHING};
-use raywarp_kernels::kernels::Surfel;
-use raywarp_kernels::math::Vec3;
+use raywarp_core::display::byte;
+use raywarp_core::false_color::{self as colors, is_miss, NOTHING};
+use raywarp_core::kernels::FirstHit;
+use raywarp_core::math::Vec3;
 
 use super::{heatmap, ImageError, Layer, Layers, Rgb8};
 
@@ -15,23 +15,25 @@ use super::{heatmap, ImageError, Layer, Layers, Rgb8};
 /// # Errors
 /// [`ImageError::NoLayer`] for tests that were not counted.
 pub fn draw(layers: &Layers, layer: Layer) -> Result<(Rgb8, String), ImageError> {
-    let seen = || layers.surfels.iter().filter(|surfel| !is_miss(surfel));
+    let seen = || layers.first_hits.iter().filter(|first_hit| !is_miss(first_hit));
     Ok(match layer {
         Layer::Depth => {
-            let range = Range::of(seen().map(|surfel| surfel.depth));
-            let picture = paint(layers, |s| colors::depth(range.share(s.depth)));
+            let range = Range::of(seen().map(|first_hit| first_hit.depth));
+            let picture = draw_aov(layers, |s| colors::depth(range.share(s.depth)));
             (picture, format!("white is {}, dark grey {} scene units away", range.low, range.high))
         }
-        Layer::Normal => (paint(layers, |s| colors::normal(s.normal)), "0.5 n + 0.5: grey is 0, full is +1".to_owned()),
-        Layer::Albedo => (paint(layers, |s| colors::albedo(s.albedo)), "diffuse colour, sRGB".to_owned()),
+        Layer::Normal => {
+            (draw_aov(layers, |s| colors::normal(s.normal)), "0.5 n + 0.5: grey is 0, full is +1".to_owned())
+        }
+        Layer::Albedo => (draw_aov(layers, |s| colors::albedo(s.albedo)), "diffuse colour, sRGB".to_owned()),
         Layer::Uv => {
             let channel = |x: f32| byte(x - x.floor());
-            let picture = paint(layers, |s| [channel(s.uv[0]), channel(s.uv[1]), 0]);
+            let picture = draw_aov(layers, |s| [channel(s.uv[0]), channel(s.uv[1]), 0]);
             (picture, "fractional part of u is red, of v is green".to_owned())
         }
         Layer::Position => position(layers),
-        Layer::Primitive => (paint(layers, |s| colors::index(s.primitive)), "a colour for each triangle".to_owned()),
-        Layer::Material => (paint(layers, |s| colors::index(s.material)), "a colour for each material".to_owned()),
+        Layer::Primitive => (draw_aov(layers, |s| colors::index(s.primitive)), "a colour for each triangle".to_owned()),
+        Layer::Material => (draw_aov(layers, |s| colors::index(s.material)), "a colour for each material".to_owned()),
         Layer::Tests => {
             let tests = layers.tests.as_deref().ok_or(ImageError::NoLayer(layer))?;
             let (picture, scale) = heatmap::draw(layers.width, layers.height, tests, None);
@@ -40,19 +42,19 @@ pub fn draw(layers: &Layers, layer: Layer) -> Result<(Rgb8, String), ImageError>
     })
 }
 
-fn paint(layers: &Layers, color: impl Fn(&Surfel) -> [u8; 3]) -> Rgb8 {
-    let pixel = |surfel: &Surfel| if is_miss(surfel) { NOTHING } else { color(surfel) };
-    let pixels = layers.surfels.iter().map(pixel).collect();
+fn draw_aov(layers: &Layers, color: impl Fn(&FirstHit) -> [u8; 3]) -> Rgb8 {
+    let pixel = |first_hit: &FirstHit| if is_miss(first_hit) { NOTHING } else { color(first_hit) };
+    let pixels = layers.first_hits.iter().map(pixel).collect();
     Rgb8 { width: layers.width, height: layers.height, pixels }
 }
 
 fn position(layers: &Layers) -> (Rgb8, String) {
-    let seen = || layers.surfels.iter().filter(|surfel| !is_miss(surfel));
-    let axis = |pick: fn(Vec3) -> f32| Range::of(seen().map(|surfel| pick(surfel.position)));
+    let seen = || layers.first_hits.iter().filter(|first_hit| !is_miss(first_hit));
+    let axis = |pick: fn(Vec3) -> f32| Range::of(seen().map(|first_hit| pick(first_hit.position)));
     let [x, y, z] = [axis(|p| p.x), axis(|p| p.y), axis(|p| p.z)];
-    let color = |s: &Surfel| [x.share(s.position.x), y.share(s.position.y), z.share(s.position.z)].map(byte);
+    let color = |s: &FirstHit| [x.share(s.position.x), y.share(s.position.y), z.share(s.position.z)].map(byte);
     let text = format!("from black to full: x {x} is red, y {y} is green, z {z} is blue");
-    (paint(layers, color), text)
+    (draw_aov(layers, color), text)
 }
 
 /// The finite values of a layer from the smallest to the largest; from 0 to 0 where there are none.

@@ -1,14 +1,14 @@
 //! What each pixel cost, as colours.
 //!
 //! The cost of a pixel is its triangle tests plus its node visits, for all of its rays. The scale is linear from 0 to
-//! a maximum, by the colours of [`raywarp_kernels::false_color::heat`], whose lightness grows evenly, so that twice as
+//! a maximum, by the colours of [`raywarp_core::false_color::heat`], whose lightness grows evenly, so that twice as
 //! bright is about twice the cost, also in black and white and to the colour-blind. What is above the maximum is shown
 //! like the maximum.
 
 use std::fmt;
 
-use raywarp_kernels::false_color::{cost, heat};
-use raywarp_kernels::traverse::Tests;
+use raywarp_core::false_color::{cost, heat};
+use raywarp_core::traversal::Tests;
 
 use super::{digits, Rgb8};
 
@@ -89,7 +89,7 @@ fn add_bar(picture: &mut Rgb8, scale: &Scale) {
 
 #[cfg(test)]
 mod tests {
-    use raywarp_kernels::false_color::HEAT;
+    use raywarp_core::false_color::HEAT;
 
     use super::*;
 

@@ -15,8 +15,8 @@ pub mod png;
 mod probe;
 mod provenance;
 
-use raywarp_kernels::kernels::Surfel;
-use raywarp_kernels::traverse::Tests;
+use raywarp_core::kernels::FirstHit;
+use raywarp_core::traversal::Tests;
 
 pub use crate::scene::settings::ToneMap;
 pub use color::Development;
@@ -49,7 +49,7 @@ pub struct Layers {
     /// Rows.
     pub height: u32,
     /// One a pixel, top row first.
-    pub surfels: Vec<Surfel>,
+    pub first_hits: Vec<FirstHit>,
     /// What all rays of a pixel cost, one a pixel, if it was counted.
     pub tests: Option<Vec<Tests>>,
 }

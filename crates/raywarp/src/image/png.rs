@@ -4,13 +4,13 @@ use std::path::Path;
 
 use ::image::{ImageFormat, ImageReader};
 use rayon::prelude::*;
-use raywarp_kernels::math::Vec3;
+use raywarp_core::math::Vec3;
 
 use super::provenance::PNG_FINGERPRINT;
 use super::{Development, Format, ImageError, Picture, Provenance, Rgb8};
 
 /// Exposes, tone-maps and encodes a picture as a screen shows it.
-pub fn develop(picture: &Picture, development: &Development) -> Rgb8 {
+pub fn tone_map_film(picture: &Picture, development: &Development) -> Rgb8 {
     let tone = development.tone();
     let pixels = picture.pixels.par_iter().map(|&[r, g, b, _]| tone.color(Vec3::new(r, g, b))).collect();
     Rgb8 { width: picture.width, height: picture.height, pixels }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::device::{Answer, Any, Closest, Count};
-use super::question::{Collect, Question};
+use super::launch::{Collect, Request};
 use super::{AllHits, Hits, QueryError, RayCaster};
 use crate::backend::{Buffer, Pace};
 use crate::{Hit, Ray};
@@ -240,10 +240,10 @@ fn fill(caster: &RayCaster, rays: &Buffer<Ray>, counts: &[u32]) -> Result<(f64, 
     let places = caster.device().upload(&places)?;
     let mut seen = caster.device().zeroed::<u32>(counts.len())?;
     let (counts, hits_view) = (seen.view_mut(), hits.view_mut());
-    let question = Question::Collect(Collect::All { offsets: places.view(), limit: 0, counts, hits: hits_view });
+    let request = Request::Collect(Collect::All { offsets: places.view(), limit: 0, counts, hits: hits_view });
     // SAFETY: all buffers are made here or by the caller on the caster's device and held until the launch is over. The
     // places ascend to the length of `hits`, so each ray has items of its own.
-    let seconds = unsafe { caster.ask(rays.view(), question, None) }?.wait()?;
+    let seconds = unsafe { caster.launch(rays.view(), request, None) }?.wait()?;
     let mut found = Hits::default();
     found.extend(&hits.download()?, caster.geometries());
     Ok((seconds, AllHits { offsets, hits: found }))

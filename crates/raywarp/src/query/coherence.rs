@@ -1,7 +1,7 @@
 //! Whether neighbours in a batch go the same way, and so which of two kernels answers it.
 
 use rayon::prelude::*;
-use raywarp_kernels::traverse::octants::octant;
+use raywarp_core::traversal::bvh2_dual::octant;
 
 use super::device::Answer;
 use super::{QueryError, RayCaster};
@@ -14,7 +14,7 @@ use crate::Ray;
 pub enum Coherence {
     /// Most neighbours go the same way, as camera rays in tiles of pixels do: a ray a thread.
     Coherent,
-    /// They do not, as after a diffuse bounce: threads are [pooled](raywarp_kernels::pool).
+    /// They do not, as after a diffuse bounce: they are answered by [persistent threads](raywarp_core::persistent).
     Incoherent,
 }
 

@@ -1,7 +1,7 @@
 //! What rays cost in a structure, counted on this machine: the same on every other.
 
 use rayon::prelude::*;
-use raywarp_kernels::traverse::{Tests, START};
+use raywarp_core::traversal::{Tests, START};
 
 use crate::accel::Accel;
 use crate::Ray;

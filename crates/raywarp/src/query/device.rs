@@ -28,9 +28,9 @@
 //! # Ok::<(), raywarp::query::QueryError>(())
 //! ```
 
-use raywarp_kernels::view::{Plain, View};
+use raywarp_core::view::{Plain, View};
 
-use super::question::{Asked, Collect, Fill, Find, Question};
+use super::launch::{Collect, Fill, Find, Launched, Request};
 use super::{QueryError, RayCaster};
 use crate::backend::{Buffer, Device, DeviceError, Stream};
 use crate::{Hit, Ray};
@@ -115,7 +115,7 @@ impl All {
 
 /// A batch that is being answered. Dropped, it is waited for.
 pub struct Pending<A> {
-    launch: Asked,
+    launch: Launched,
     /// None once they were given back.
     batch: Option<(Buffer<Ray>, A)>,
     /// Holds the structure.
@@ -185,13 +185,13 @@ impl RayCaster {
         rays: &Buffer<Ray>,
         answer: &mut impl Answer,
         stream: Option<&Stream>,
-    ) -> Result<Asked, QueryError> {
+    ) -> Result<Launched, QueryError> {
         self.device().check(rays, "rays")?;
         answer.check(self.device(), rays.len())?;
-        let question = answer.question();
+        let request = answer.request();
         // SAFETY: the buffers are this device's and long enough, each ray writes its own items, and the callers hold all
         // of it until they have waited. The builders keep the structure's indices in range.
-        Ok(unsafe { self.ask(rays.view(), question, stream) }?)
+        Ok(unsafe { self.launch(rays.view(), request, stream) }?)
     }
 }
 
@@ -221,8 +221,8 @@ impl Fill for Closest {
         check(&self.hits, "hits", device, rays, 1)
     }
 
-    fn question(&mut self) -> Question {
-        Question::Find(Find::Closest { hits: self.hits.view_mut() })
+    fn request(&mut self) -> Request {
+        Request::Find(Find::Closest { hits: self.hits.view_mut() })
     }
 }
 
@@ -231,8 +231,8 @@ impl Fill for Any {
         check(&self.blocked, "answers", device, rays, 1)
     }
 
-    fn question(&mut self) -> Question {
-        Question::Find(Find::Any { blocked: self.blocked.view_mut() })
+    fn request(&mut self) -> Request {
+        Request::Find(Find::Any { blocked: self.blocked.view_mut() })
     }
 }
 
@@ -241,8 +241,8 @@ impl Fill for Count {
         check(&self.counts, "counts", device, rays, 1)
     }
 
-    fn question(&mut self) -> Question {
-        Question::Collect(Collect::Count { limit: self.limit, counts: self.counts.view_mut() })
+    fn request(&mut self) -> Request {
+        Request::Collect(Collect::Count { limit: self.limit, counts: self.counts.view_mut() })
     }
 }
 
@@ -252,8 +252,8 @@ impl Fill for All {
         check(&self.hits, "hits", device, rays, self.limit)
     }
 
-    fn question(&mut self) -> Question {
+    fn request(&mut self) -> Request {
         let (counts, hits) = (self.counts.view_mut(), self.hits.view_mut());
-        Question::Collect(Collect::All { offsets: View::EMPTY, limit: self.limit, counts, hits })
+        Request::Collect(Collect::All { offsets: View::EMPTY, limit: self.limit, counts, hits })
     }
 }

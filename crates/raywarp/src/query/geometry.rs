@@ -2,8 +2,8 @@
 
 use glam::Mat3;
 
-use raywarp_kernels::math::Vec3;
-use raywarp_kernels::triangle::Across;
+use raywarp_core::math::Vec3;
+use raywarp_core::triangle::RayShear;
 
 use crate::scene::{Instance, Mesh, Scene};
 use crate::{Hit, Ray, Triangle, MISS};
@@ -74,7 +74,7 @@ impl Geometries {
 
     /// Where a ray meets a triangle, with the bits that tracing gives; nothing where it does not.
     pub fn meet(&self, meshes: &[Mesh], instances: &[Instance], ray: &Ray, primitive: u32) -> Option<Hit> {
-        self.triangle(meshes, instances, primitive)?.intersect(&Across::new(ray))
+        self.triangle(meshes, instances, primitive)?.intersect(&RayShear::new(ray))
     }
 }
 

@@ -2,9 +2,9 @@
 
 use std::any::Any;
 
-use raywarp_kernels::kernels::{All, Closest, Count, Occluded};
-use raywarp_kernels::traverse::Compact;
-use raywarp_kernels::view::{View, ViewMut};
+use raywarp_core::kernels::{All, Closest, Count, Occluded};
+use raywarp_core::traversal::QuantizedBvh2;
+use raywarp_core::view::{View, ViewMut};
 
 use crate::accel::Resident;
 use crate::backend::Launchable;
@@ -32,8 +32,8 @@ pub(crate) trait QueryKernels: Any + Send + Sync {
         hits: ViewMut<Hit>,
     ) -> Box<dyn Launchable>;
 
-    /// See [`Resident::pooled`].
-    fn compact(&self) -> Option<Compact>;
+    /// See [`Resident::persistent`].
+    fn quantized(&self) -> Option<QuantizedBvh2>;
 }
 
 impl<R: Resident> QueryKernels for R {
@@ -60,7 +60,7 @@ impl<R: Resident> QueryKernels for R {
         Box::new(All { structure: self.long(), rays, offsets, limit, counts, hits })
     }
 
-    fn compact(&self) -> Option<Compact> {
-        self.pooled()
+    fn quantized(&self) -> Option<QuantizedBvh2> {
+        self.persistent()
     }
 }

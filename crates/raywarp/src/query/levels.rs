@@ -1,8 +1,8 @@
 //! Whether a scene's meshes are placed by instances of a structure, or brought to world space one by one.
 
 use super::{Geometries, QueryError, RayCaster, Report, Shared};
-use crate::accel::instanced::{self, Instanced, Placement};
-use crate::accel::{BuildError, Quality, ResidentInstanced};
+use crate::accel::two_level::{self, Placement, TwoLevel};
+use crate::accel::{BuildError, Quality, ResidentTwoLevel};
 use crate::backend::Device;
 use crate::render::{check_instance, check_mesh, flags_of, RenderError};
 use crate::scene::{Mesh, Scene};
@@ -50,7 +50,7 @@ impl Levels {
 ///
 /// # Errors
 /// [`RenderError::Scene`] for an index out of range; [`RenderError::Build`] for a scene of 2^32 - 1 triangles or more.
-pub fn two_level(scene: &Scene, quality: Quality) -> Result<Instanced, RenderError> {
+pub fn two_level(scene: &Scene, quality: Quality) -> Result<TwoLevel, RenderError> {
     let flags: Vec<u32> = scene.materials.iter().map(flags_of).collect();
     let mut placements = Vec::with_capacity(scene.instances.len());
     let mut placed = vec![false; scene.meshes.len()];
@@ -76,7 +76,7 @@ pub fn two_level(scene: &Scene, quality: Quality) -> Result<Instanced, RenderErr
         first = end;
     }
     let mesh = |(mesh, &placed): (&Mesh, &bool)| if placed { triangles(mesh, &flags) } else { Vec::new() };
-    Ok(instanced::build(scene.meshes.iter().zip(&placed).map(mesh).collect(), &placements, quality)?)
+    Ok(two_level::build(scene.meshes.iter().zip(&placed).map(mesh).collect(), &placements, quality)?)
 }
 
 /// In the space of the mesh, whose indices were checked.
@@ -93,8 +93,8 @@ impl RayCaster {
     ///
     /// # Errors
     /// The device has no room.
-    pub fn from_instanced(tree: &Instanced, device: &Device) -> Result<Self, QueryError> {
-        let structure = Box::new(ResidentInstanced::upload(device, tree)?);
+    pub fn from_instanced(tree: &TwoLevel, device: &Device) -> Result<Self, QueryError> {
+        let structure = Box::new(ResidentTwoLevel::upload(device, tree)?);
         let (geometries, report) = (Geometries::default(), Report::of_instanced(tree));
         Ok(Self::sharing(Shared { device: device.clone(), structure, geometries, report }))
     }

@@ -16,8 +16,8 @@ pub mod files;
 mod geometry;
 mod hits;
 pub(crate) mod kernels;
+mod launch;
 mod levels;
-mod question;
 mod ray_kind;
 mod timed;
 mod workload;
@@ -25,8 +25,10 @@ mod workload;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::accel::instanced::Instanced;
-use crate::accel::{cache, check_device, sift, Accel, Build, Dropped, Resident, ResidentInstanced, TreeStats};
+use crate::accel::two_level::TwoLevel;
+use crate::accel::{
+    cache, check_device, drop_degenerate, Accel, Build, Dropped, Resident, ResidentTwoLevel, TreeStats,
+};
 use crate::backend::Device;
 use crate::render::{upload, Flat};
 use crate::scene::Scene;
@@ -41,7 +43,7 @@ pub use hits::{AllHits, Hits};
 use kernels::QueryKernels;
 pub use levels::{two_level, Levels};
 pub use ray_kind::{RayKind, UnknownRayKind};
-pub use raywarp_kernels::traverse::Tests;
+pub use raywarp_core::traversal::Tests;
 pub use timed::{Answers, Timed};
 pub use workload::{opaque_triangles, PixelOrder, RaySource, Spot, Workload};
 
@@ -98,7 +100,7 @@ pub struct Report {
 }
 
 impl Report {
-    fn of_instanced(tree: &Instanced) -> Self {
+    fn of_instanced(tree: &TwoLevel) -> Self {
         let stats = tree.stats();
         Self {
             triangles: stats.seen as usize,
@@ -134,7 +136,7 @@ impl RayCaster {
         let start = Instant::now();
         let tree = two_level(scene, what.quality)?;
         let build_seconds = start.elapsed().as_secs_f64();
-        let structure = Box::new(ResidentInstanced::upload(device, &tree)?);
+        let structure = Box::new(ResidentTwoLevel::upload(device, &tree)?);
         let report = Report { build_seconds, ..Report::of_instanced(&tree) };
         Ok(Self::sharing(Shared { device: device.clone(), structure, geometries, report }))
     }
@@ -156,7 +158,7 @@ impl RayCaster {
     ) -> Result<Self, QueryError> {
         check_device(what.kind, device)?;
         let start = Instant::now();
-        let (triangles, dropped) = sift(triangles);
+        let (triangles, dropped) = drop_degenerate(triangles);
         let count = triangles.len();
         let built = cache::build(what, triangles)?;
         let accel = built.accel;

@@ -1,10 +1,10 @@
 //! A batch that stays on the device and is asked again and again: for measuring.
 
-use raywarp_kernels::pool::Pooled;
-use raywarp_kernels::traverse::question::{AnyHit, ClosestHit};
+use raywarp_core::persistent::Persistent;
+use raywarp_core::traversal::query::{AnyHit, ClosestHit};
 
 use super::coherence::faster;
-use super::question::pool;
+use super::launch::persistent;
 use super::{QueryError, RayCaster};
 use crate::backend::{Buffer, DeviceError, KernelInfo, Launchable};
 use crate::{Hit, Ray};
@@ -14,7 +14,7 @@ pub struct Timed {
     caster: RayCaster,
     rays: Buffer<Ray>,
     room: Room,
-    /// Of a pool.
+    /// Of persistent threads.
     numbers: Buffer<u32>,
 }
 
@@ -46,7 +46,7 @@ impl RayCaster {
             true => Room::Occluded(self.device().zeroed(rays.len())?),
             false => Room::Closest(self.device().zeroed(rays.len())?),
         };
-        let numbers = self.device().zeroed(Pooled::<ClosestHit>::NUMBERS)?;
+        let numbers = self.device().zeroed(Persistent::<ClosestHit>::NUMBERS)?;
         let mut timed = Timed { caster: self.clone(), rays: self.device().upload(rays)?, room, numbers };
         if self.has_choice() {
             let suits = faster(|coherence| {
@@ -84,13 +84,13 @@ impl Timed {
     fn kernel(&mut self) -> Result<(Box<dyn Launchable>, u32), DeviceError> {
         let (caster, rays, numbers) = (&self.caster, self.rays.view(), &mut self.numbers);
         let device = caster.device();
-        Ok(match (caster.pooled(), &mut self.room) {
+        Ok(match (caster.persistent(), &mut self.room) {
             (Some(tree), Room::Closest(hits)) => {
-                let (kernel, threads) = pool::<ClosestHit>(device, tree, rays, hits.view_mut(), numbers)?;
+                let (kernel, threads) = persistent::<ClosestHit>(device, tree, rays, hits.view_mut(), numbers)?;
                 (Box::new(kernel), threads)
             }
             (Some(tree), Room::Occluded(occluded)) => {
-                let (kernel, threads) = pool::<AnyHit>(device, tree, rays, occluded.view_mut(), numbers)?;
+                let (kernel, threads) = persistent::<AnyHit>(device, tree, rays, occluded.view_mut(), numbers)?;
                 (Box::new(kernel), threads)
             }
             (None, Room::Closest(hits)) => (caster.structure().closest(rays, hits.view_mut()), rays.len()),

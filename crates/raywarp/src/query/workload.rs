@@ -4,12 +4,12 @@
 //! others start where those hit. All are the same on every machine: random numbers are keyed by hit and sample, and
 //! nothing calls the platform's mathematics.
 
-use raywarp_kernels::camera::{self as kernel, pixel_centre};
-use raywarp_kernels::sample::{combine, cosine, number, sphere};
-use raywarp_kernels::shade::optics::reflect;
+use raywarp_core::camera::{self as kernel, pixel_centre};
+use raywarp_core::sample::{combine, cosine, number, sphere};
+use raywarp_core::shade::optics::reflect;
 
 use super::RayKind;
-use crate::accel::sift;
+use crate::accel::drop_degenerate;
 use crate::render::{camera, flatten, RenderError};
 use crate::scene::{Camera, Scene};
 use crate::{Hit, Ray, Triangle, Vec3};
@@ -89,7 +89,7 @@ pub struct Spot {
 /// # Errors
 /// The scene's parts do not fit together.
 pub fn opaque_triangles(scene: &Scene) -> Result<Vec<Triangle>, RenderError> {
-    let (mut triangles, _) = sift(flatten::Flat::of(scene)?.triangles);
+    let (mut triangles, _) = drop_degenerate(flatten::Flat::of(scene)?.triangles);
     for (place, triangle) in (0..).zip(&mut triangles) {
         (triangle.primitive, triangle.flags) = (place, 0);
     }
@@ -221,9 +221,9 @@ fn normal(triangle: &Triangle) -> Option<Vec3> {
     let [a, b, c] = [triangle.v0, triangle.v1, triangle.v2].map(|v| v.to_array().map(f64::from));
     let edge = |to: [f64; 3]| [to[0] - a[0], to[1] - a[1], to[2] - a[2]];
     let (e, f) = (edge(b), edge(c));
-    let across = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
-    let length = across.iter().map(|x| x * x).sum::<f64>().sqrt();
-    (length > 0.0 && length.is_finite()).then(|| across.map(|x| (x / length) as f32).into())
+    let shear = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
+    let length = shear.iter().map(|x| x * x).sum::<f64>().sqrt();
+    (length > 0.0 && length.is_finite()).then(|| shear.map(|x| (x / length) as f32).into())
 }
 
 /// A ray that ends at a point.

@@ -1,8 +1,8 @@
 //! Cameras made ready for the kernels, and one for scenes that have none.
 
 use glam::Vec3;
-use raywarp_kernels::camera as kernel;
-use raywarp_kernels::math;
+use raywarp_core::camera as kernel;
+use raywarp_core::math;
 
 use super::RenderError;
 use crate::scene::{Camera, Projection, Scene};

@@ -1,13 +1,13 @@
 //! Changes to a scene that is on its device: lights, materials and places of instances, without a new tree.
 
-use raywarp_kernels::math::Vec3;
-use raywarp_kernels::refit::{Refit, Reshape};
-use raywarp_kernels::traverse::bvh2::Node;
+use raywarp_core::math::Vec3;
+use raywarp_core::refit::{Refit, Reshape};
+use raywarp_core::traversal::bvh2::Node;
 
 use super::flatten::{self, Flat};
 use super::lighting::Lighting;
 use super::{RenderError, Structure, Tracer};
-use crate::accel::{sift, ResidentBvh2, TreeBox};
+use crate::accel::{drop_degenerate, ResidentBvh2, TreeBox};
 use crate::backend::{Buffer, Device};
 use crate::scene::{Image, Instance, Material, Scene};
 use crate::Triangle;
@@ -22,7 +22,7 @@ pub fn world_triangles(
     instances: &[Instance],
     materials: &[Material],
 ) -> Result<Vec<Triangle>, RenderError> {
-    Ok(sift(Flat::with(scene, instances, materials)?.triangles).0)
+    Ok(drop_degenerate(Flat::with(scene, instances, materials)?.triangles).0)
 }
 
 impl Tracer {

@@ -1,10 +1,10 @@
 //! What each pixel of a picture costs: for whoever studies how the work is spread.
 
-use raywarp_kernels::film::Pixel;
-use raywarp_kernels::kernels::Frame;
-use raywarp_kernels::shade::whitted::Limits;
-use raywarp_kernels::traverse::Tests;
-use raywarp_kernels::view::ViewMut;
+use raywarp_core::film::Pixel;
+use raywarp_core::kernels::Frame;
+use raywarp_core::shade::whitted::Limits;
+use raywarp_core::traversal::Tests;
+use raywarp_core::view::ViewMut;
 
 use super::options::Window;
 use super::passes::{self, Pass};
@@ -22,7 +22,7 @@ pub struct PixelCosts {
 }
 
 /// The lights of a picture on its device.
-type Lights = Buffer<raywarp_kernels::light::Light>;
+type Lights = Buffer<raywarp_core::light::Light>;
 
 impl Tracer {
     /// Counts and times the thread of every pixel, for one sample. Counting makes a thread slower, all of them alike.

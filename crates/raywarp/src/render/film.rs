@@ -1,12 +1,12 @@
 //! A picture that grows on its device, for those who look on: sample by sample, in launches as short as they are asked
 //! to be, developed where it is.
 
-use raywarp_kernels::film::Pixel;
-use raywarp_kernels::kernels::{Frame, Surfel};
-use raywarp_kernels::screen::{Develop, Exposed, Paint, Ranges, Shown};
-use raywarp_kernels::shade::whitted::Limits;
-use raywarp_kernels::traverse::Tests;
-use raywarp_kernels::view::{View, ViewMut};
+use raywarp_core::film::Pixel;
+use raywarp_core::kernels::{FirstHit, Frame};
+use raywarp_core::screen::{AovRanges, DrawAov, Exposed, Shown, ToneMapFilm};
+use raywarp_core::shade::whitted::Limits;
+use raywarp_core::traversal::Tests;
+use raywarp_core::view::{View, ViewMut};
 
 use super::{camera, passes, RenderError, RenderOptions, Tracer};
 use crate::backend::{Buffer, Device};
@@ -127,12 +127,13 @@ impl Film {
     ///
     /// # Errors
     /// [`RenderError`] where the device fails.
-    pub fn develop(&mut self, development: &Development, under: Option<&Film>) -> Result<f64, RenderError> {
+    pub fn tone_map_film(&mut self, development: &Development, under: Option<&Film>) -> Result<f64, RenderError> {
         if let Some(under) = under {
             self.device.check(&under.pixels, "the film below")?;
         }
         let under = under.map_or(Exposed::NONE, Film::exposed);
-        let kernel = Develop { film: self.exposed(), under, tone: development.tone(), screen: self.screen.view_mut() };
+        let kernel =
+            ToneMapFilm { film: self.exposed(), under, tone: development.tone(), screen: self.screen.view_mut() };
         // SAFETY: all buffers are of this device and borrowed while this waits; both films know their sizes.
         Ok(unsafe { self.device.launch(&kernel, self.size) }?)
     }
@@ -185,7 +186,7 @@ impl Tracer {
     ///
     /// # Errors
     /// As for [`render`](Self::render).
-    pub fn expose(
+    pub fn accumulate(
         &self,
         film: &mut Film,
         camera: &Camera,
@@ -228,7 +229,7 @@ impl Tracer {
     ///
     /// # Errors
     /// As for [`render`](Self::render).
-    pub fn paint(
+    pub fn draw_aov(
         &self,
         film: &mut Film,
         camera: &Camera,
@@ -240,7 +241,7 @@ impl Tracer {
         let window = options.check()?;
         let costs = matches!(quantity, Quantity::Tests | Quantity::Ticks);
         let (seen, counted) = if costs { (0, window.pixels()) } else { (window.pixels(), 0) };
-        let mut surfels = self.device.zeroed::<Surfel>(seen)?;
+        let mut first_hits = self.device.zeroed::<FirstHit>(seen)?;
         let mut tests = self.device.zeroed::<Tests>(counted)?;
         let mut ticks = self.device.zeroed::<u32>(counted)?;
         let mut unseen = self.device.zeroed::<Pixel>(counted)?;
@@ -254,11 +255,11 @@ impl Tracer {
         let mut seconds = if costs {
             passes::shade(&self.device, &*self.structure.resident, &pass)?
         } else {
-            passes::surfels(&self.device, &*self.structure.resident, &pass, surfels.view_mut())?
+            passes::first_hits(&self.device, &*self.structure.resident, &pass, first_hits.view_mut())?
         };
         let shown = Shown {
             quantity: quantity as u32,
-            surfels: surfels.view(),
+            first_hits: first_hits.view(),
             tests: if quantity == Quantity::Tests { tests.view() } else { View::EMPTY },
             ticks: ticks.view(),
         };
@@ -269,16 +270,16 @@ impl Tracer {
             }
             None => [0.0; 2],
         };
-        let paint = Paint { shown, size: film.size, range, screen: film.screen.view_mut() };
+        let draw_aov = DrawAov { shown, size: film.size, range, screen: film.screen.view_mut() };
         // SAFETY: the buffers are borrowed while this waits, and as long as the film has pixels.
-        seconds += unsafe { self.device.launch(&paint, film.size) }?;
+        seconds += unsafe { self.device.launch(&draw_aov, film.size) }?;
         Ok(Painted { range, kernel_seconds: seconds })
     }
 
     /// The smallest and the largest value; for costs the scale starts at 0.
     fn range(&self, shown: &Shown, size: [u32; 2], seconds: &mut f64) -> Result<[f32; 2], RenderError> {
         let mut rows = self.device.zeroed::<[f32; 2]>(size[1] as usize)?;
-        let ranges = Ranges { shown: *shown, size, ranges: rows.view_mut() };
+        let ranges = AovRanges { shown: *shown, size, ranges: rows.view_mut() };
         // SAFETY: as in `paint`.
         *seconds += unsafe { self.device.launch(&ranges, [size[1], 1]) }?;
         let all = rows.download()?.into_iter().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
@@ -291,7 +292,7 @@ impl Tracer {
 }
 
 const _: () = {
-    use raywarp_kernels::screen::quantity;
+    use raywarp_core::screen::quantity;
     assert!(Quantity::Normal as u32 == quantity::NORMAL && Quantity::Depth as u32 == quantity::DEPTH);
     assert!(Quantity::Albedo as u32 == quantity::ALBEDO && Quantity::Primitive as u32 == quantity::PRIMITIVE);
     assert!(Quantity::Material as u32 == quantity::MATERIAL && Quantity::Tests as u32 == quantity::TESTS);

@@ -1,9 +1,9 @@
 //! All instances brought to world space, in arrays as the kernels read them.
 
 use glam::{Mat3, Vec3};
-use raywarp_kernels::math;
-use raywarp_kernels::surface::Primitive;
-use raywarp_kernels::triangle::{flags, Triangle};
+use raywarp_core::math;
+use raywarp_core::surface::Primitive;
+use raywarp_core::triangle::{flags, Triangle};
 
 use super::RenderError;
 use crate::backend::DeviceError;

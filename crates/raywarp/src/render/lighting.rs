@@ -1,8 +1,8 @@
 //! The lights of a scene, or those that it gets when it has none.
 
-use raywarp_kernels::background::Background;
-use raywarp_kernels::light::{kind, Light};
-use raywarp_kernels::math::{vec3, Vec3};
+use raywarp_core::background::Background;
+use raywarp_core::light::{kind, Light};
+use raywarp_core::math::{vec3, Vec3};
 
 use crate::backend::{Buffer, Device, DeviceError};
 use crate::scene::{self, Camera, LightKind, Scene};

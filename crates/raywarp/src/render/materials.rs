@@ -2,8 +2,8 @@
 
 use std::f32::consts::LOG2_E;
 
-use raywarp_kernels::material::{flags, Material};
-use raywarp_kernels::texture::{mode, Texture, NO_TEXTURE};
+use raywarp_core::material::{flags, Material};
+use raywarp_core::texture::{mode, Texture, NO_TEXTURE};
 
 use super::lighting::Ambient;
 use crate::scene::srgb::srgb_to_linear_precise;

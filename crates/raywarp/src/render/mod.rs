@@ -16,13 +16,13 @@ mod structure;
 
 use std::time::Instant;
 
-use raywarp_kernels::film::Pixel;
-use raywarp_kernels::kernels::{Frame, Surfel};
-use raywarp_kernels::shade::whitted::Limits;
-use raywarp_kernels::traverse::Tests;
-use raywarp_kernels::view::ViewMut;
+use raywarp_core::film::Pixel;
+use raywarp_core::kernels::{FirstHit, Frame};
+use raywarp_core::shade::whitted::Limits;
+use raywarp_core::traversal::Tests;
+use raywarp_core::view::ViewMut;
 
-use crate::accel::{sift, Build, Dropped, TreeStats};
+use crate::accel::{drop_degenerate, Build, Dropped, TreeStats};
 use crate::backend::{Buffer, Device};
 use crate::image::Picture;
 use crate::scene::{Camera, Scene};
@@ -136,7 +136,7 @@ impl Tracer {
     pub fn new(scene: &Scene, accel: impl Into<Build>, device: &Device) -> Result<Self, RenderError> {
         let start = Instant::now();
         let mut flat = Flat::of(scene)?;
-        let (triangles, dropped) = sift(std::mem::take(&mut flat.triangles));
+        let (triangles, dropped) = drop_degenerate(std::mem::take(&mut flat.triangles));
         let flatten_seconds = start.elapsed().as_secs_f64();
 
         let count = triangles.len();
@@ -251,14 +251,14 @@ impl Tracer {
     ///
     /// # Errors
     /// As for [`render`](Self::render).
-    pub fn layers(&self, camera: &Camera, options: &RenderOptions) -> Result<Vec<Surfel>, RenderError> {
+    pub fn layers(&self, camera: &Camera, options: &RenderOptions) -> Result<Vec<FirstHit>, RenderError> {
         let window = options.check()?;
-        self.device.reserve((window.pixels() * std::mem::size_of::<Surfel>()) as u64, "the layers of the picture")?;
-        let mut surfels = self.device.zeroed::<Surfel>(window.pixels())?;
+        self.device.reserve((window.pixels() * std::mem::size_of::<FirstHit>()) as u64, "the layers of the picture")?;
+        let mut first_hits = self.device.zeroed::<FirstHit>(window.pixels())?;
         let lights = self.lighting.upload(&self.device, camera)?;
         let pass = self.whole(camera, options, window, &lights)?;
-        passes::surfels(&self.device, &*self.structure.resident, &pass, surfels.view_mut())?;
-        Ok(surfels.download()?)
+        passes::first_hits(&self.device, &*self.structure.resident, &pass, first_hits.view_mut())?;
+        Ok(first_hits.download()?)
     }
 }
 

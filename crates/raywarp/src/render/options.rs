@@ -5,7 +5,7 @@ pub use raywarp_scene::settings::{MAX_DEPTH, MAX_SIDE, MAX_SPP};
 
 use super::RenderError;
 
-const _: () = assert!(MAX_DEPTH == raywarp_kernels::shade::whitted::MAX_DEPTH);
+const _: () = assert!(MAX_DEPTH == raywarp_core::shade::whitted::MAX_DEPTH);
 
 /// The options of a picture, with their defaults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,15 +2,15 @@
 
 use std::marker::PhantomData;
 
-use raywarp_kernels::film::Pixel;
-use raywarp_kernels::kernels::{Frame, Surfel, Surfels, Whitted};
-use raywarp_kernels::shade::whitted::Limits;
-use raywarp_kernels::surface;
-use raywarp_kernels::traverse::{Kept, Structure, Tests, Uncounted};
-use raywarp_kernels::view::ViewMut;
+use raywarp_core::film::Pixel;
+use raywarp_core::kernels::{FirstHit, FirstHits, Frame, Whitted};
+use raywarp_core::shade::whitted::Limits;
+use raywarp_core::surface;
+use raywarp_core::traversal::{NullStatistics, RecordedStatistics, Structure, Tests};
+use raywarp_core::view::ViewMut;
 
 use crate::accel::{
-    Accel, Rendered, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentCompact, ResidentKd, ResidentOctants, TreeBox,
+    Accel, Rendered, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd, ResidentQuantized, TreeBox,
 };
 use crate::backend::{Device, DeviceError, Launchable};
 use crate::query::kernels::QueryKernels;
@@ -34,7 +34,11 @@ pub struct Pass {
 
 impl Pass {
     /// Its kernel over a structure, with what is counted of each pixel.
-    pub fn whitted<S: Structure, C: Kept>(&self, structure: S, counts: ViewMut<C::Record>) -> Whitted<S, C> {
+    pub fn whitted<S: Structure, C: RecordedStatistics>(
+        &self,
+        structure: S,
+        counts: ViewMut<C::Record>,
+    ) -> Whitted<S, C> {
         let Self { scene, frame, limits, film, ticks, .. } = *self;
         Whitted { structure, scene, frame, limits, film, counts, ticks, counter: PhantomData }
     }
@@ -45,8 +49,8 @@ pub(crate) trait FrameKernels: QueryKernels {
     /// Adds the samples of a pass to the film.
     fn frame(&self, pass: &Pass) -> Box<dyn Launchable>;
 
-    /// Fills a surfel for each pixel of a pass.
-    fn first_hits(&self, pass: &Pass, surfels: ViewMut<Surfel>) -> Box<dyn Launchable>;
+    /// Finds the first hit of each pixel of a pass.
+    fn first_hits(&self, pass: &Pass, first_hits: ViewMut<FirstHit>) -> Box<dyn Launchable>;
 
     /// Has the driver compile these kernels, so that no frame waits for it.
     fn load(&self, device: &Device) -> Result<(), DeviceError>;
@@ -58,19 +62,19 @@ pub(crate) trait FrameKernels: QueryKernels {
 impl<R: Rendered> FrameKernels for R {
     fn frame(&self, pass: &Pass) -> Box<dyn Launchable> {
         match pass.tests.is_empty() {
-            true => Box::new(pass.whitted::<_, Uncounted>(self.long(), ViewMut::EMPTY)),
+            true => Box::new(pass.whitted::<_, NullStatistics>(self.long(), ViewMut::EMPTY)),
             false => Box::new(pass.whitted::<_, Tests>(self.long(), pass.tests)),
         }
     }
 
-    fn first_hits(&self, pass: &Pass, surfels: ViewMut<Surfel>) -> Box<dyn Launchable> {
-        Box::new(Surfels { structure: self.long(), scene: pass.scene, frame: pass.frame, surfels })
+    fn first_hits(&self, pass: &Pass, first_hits: ViewMut<FirstHit>) -> Box<dyn Launchable> {
+        Box::new(FirstHits { structure: self.long(), scene: pass.scene, frame: pass.frame, first_hits })
     }
 
     fn load(&self, device: &Device) -> Result<(), DeviceError> {
-        device.load::<Whitted<R::Long, Uncounted>>()?;
+        device.load::<Whitted<R::Long, NullStatistics>>()?;
         device.load::<Whitted<R::Long, Tests>>()?;
-        device.load::<Surfels<R::Long>>()
+        device.load::<FirstHits<R::Long>>()
     }
 
     fn tree_boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
@@ -84,8 +88,8 @@ pub(crate) fn upload(device: &Device, tree: &Accel) -> Result<Box<dyn FrameKerne
         Accel::Brute(list) => Box::new(ResidentBrute::upload(device, list)?),
         Accel::Kd(tree) => Box::new(ResidentKd::upload(device, tree)?),
         Accel::Bvh2(tree) => Box::new(ResidentBvh2::upload(device, tree)?),
-        Accel::Bvh2c(tree) => Box::new(ResidentCompact::upload(device, tree)?),
-        Accel::Bvh(tree) => Box::new(ResidentOctants::upload(device, tree)?),
+        Accel::Bvh2c(tree) => Box::new(ResidentQuantized::upload(device, tree)?),
+        Accel::Bvh(tree) => Box::new(ResidentDual::upload(device, tree)?),
         Accel::Bvh8f(tree) => Box::new(ResidentBvh8f::upload(device, tree)?),
     })
 }
@@ -95,14 +99,14 @@ pub(super) fn shade(device: &Device, structure: &dyn FrameKernels, pass: &Pass) 
     run(device, pass, &*structure.frame(pass))
 }
 
-/// Fills a surfel for each pixel of a pass.
-pub(super) fn surfels(
+/// Finds the first hit of each pixel of a pass.
+pub(super) fn first_hits(
     device: &Device,
     structure: &dyn FrameKernels,
     pass: &Pass,
-    surfels: ViewMut<Surfel>,
+    first_hits: ViewMut<FirstHit>,
 ) -> Result<f64, DeviceError> {
-    run(device, pass, &*structure.first_hits(pass, surfels))
+    run(device, pass, &*structure.first_hits(pass, first_hits))
 }
 
 fn run(device: &Device, pass: &Pass, kernel: &dyn Launchable) -> Result<f64, DeviceError> {

@@ -1,11 +1,11 @@
 //! A scene and its structure in the memory of a device.
 
-use raywarp_kernels::light::Light;
-use raywarp_kernels::material::Material;
-use raywarp_kernels::math::Vec3;
-use raywarp_kernels::surface::{self, Primitive};
-use raywarp_kernels::texture::{Texture, Textures};
-use raywarp_kernels::view::View;
+use raywarp_core::light::Light;
+use raywarp_core::material::Material;
+use raywarp_core::math::Vec3;
+use raywarp_core::surface::{self, Primitive};
+use raywarp_core::texture::{Texture, Textures};
+use raywarp_core::view::View;
 
 use super::flatten::Flat;
 use super::lighting::{Ambient, Lighting};

@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::time::Instant;
 
-use raywarp_kernels::screen::{Develop, Paint, Ranges};
+use raywarp_core::screen::{AovRanges, DrawAov, ToneMapFilm};
 
 use crate::accel::{cache, check_device, Accel, AccelKind, Build, Quality, Rendered, TreeBox, TreeStats};
 use crate::backend::Device;
@@ -84,9 +84,9 @@ impl Structure {
     /// # Errors
     /// [`RenderError`] where the driver refuses one.
     pub fn load_kernels(&self, device: &Device) -> Result<(), RenderError> {
-        device.load::<Develop>()?;
-        device.load::<Ranges>()?;
-        device.load::<Paint>()?;
+        device.load::<ToneMapFilm>()?;
+        device.load::<AovRanges>()?;
+        device.load::<DrawAov>()?;
         Ok(self.resident.load(device)?)
     }
 

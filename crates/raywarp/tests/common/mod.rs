@@ -4,9 +4,9 @@
 
 use raywarp::accel::{Accel, AccelKind, Build, Quality};
 use raywarp::backend::{Device, DeviceChoice};
-use raywarp_kernels::math::{vec3, Vec3};
-use raywarp_kernels::ray::Ray;
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::math::{vec3, Vec3};
+use raywarp_core::ray::Ray;
+use raywarp_core::triangle::Triangle;
 
 /// Random numbers: PCG (O'Neill 2014).
 pub struct Numbers(pub u64);
@@ -91,7 +91,7 @@ pub fn scene(family: usize, count: usize, n: &mut Numbers) -> Vec<Triangle> {
         let [a, b, c] = corners(family, i, first, n).map(|v| v * scale + offset);
         Triangle::new(a, b, c, i as u32, (n.below(5) == 0) as u32)
     };
-    raywarp::accel::sift((0..count).map(make).collect()).0
+    raywarp::accel::drop_degenerate((0..count).map(make).collect()).0
 }
 
 /// A point of a triangle, often on an edge or in a corner.
@@ -134,8 +134,8 @@ pub fn ray(aim: usize, scene: &[Triangle], n: &mut Numbers) -> Ray {
         }
         // Parallel to a plane of two axes.
         8 => {
-            let across = n.point() * (vec3(1.0, 1.0, 1.0) + axis * -axis.max_abs() * (axis.x + axis.y + axis.z));
-            Ray::new(corner - across * (triangle.extent * n.unit()), across)
+            let shear = n.point() * (vec3(1.0, 1.0, 1.0) + axis * -axis.max_abs() * (axis.x + axis.y + axis.z));
+            Ray::new(corner - shear * (triangle.extent * n.unit()), shear)
         }
         9 => Ray::new(origin, (target - origin) * n.pick(&[1e-20, 1e20])),
         _ => nonsense(origin, n),

@@ -74,11 +74,11 @@ fn two_machines_give_the_same_bits() {
     let tree = two_level(&scene, Quality::default()).unwrap();
     assert_eq!(tree.validate(), Ok(()));
     assert!(tree.stats().instances > 490, "{:?}", tree.stats());
-    let ask = |device: &Device| {
+    let answers = |device: &Device| {
         let caster = RayCaster::from_instanced(&tree, device).unwrap();
         (caster.hits(&rays).unwrap(), caster.any(&rays).unwrap())
     };
-    let [(a, shadows), (b, others)] = [ask(&reference()), ask(&device())];
+    let [(a, shadows), (b, others)] = [answers(&reference()), answers(&device())];
     assert!(a.iter().filter(|hit| !hit.is_miss()).count() * 2 > rays.len());
     let differing = a.iter().zip(&b).filter(|(a, b)| bits(a) != bits(b)).count();
     println!("{} rays: {differing} hits differ", rays.len());

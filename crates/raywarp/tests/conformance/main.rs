@@ -67,12 +67,12 @@ struct Random(u32);
 impl Random {
     fn bits(&mut self) -> u32 {
         self.0 = self.0.wrapping_add(1);
-        raywarp_kernels::sample::hash(self.0)
+        raywarp_core::sample::hash(self.0)
     }
 
     /// From -1 to 1.
     fn signed(&mut self) -> f32 {
-        raywarp_kernels::sample::unit(self.bits()) * 2.0 - 1.0
+        raywarp_core::sample::unit(self.bits()) * 2.0 - 1.0
     }
 
     fn vector(&mut self) -> raywarp::Vec3 {

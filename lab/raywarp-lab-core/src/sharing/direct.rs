@@ -4,16 +4,16 @@ use core::marker::PhantomData;
 
 use super::form::Form;
 use super::search::Search;
-use raywarp_kernels::kernels::Thread;
-use raywarp_kernels::ray::Ray;
-use raywarp_kernels::traverse::bvh2::{Bvh2, MAX_DEPTH};
-use raywarp_kernels::traverse::question::Question;
-use raywarp_kernels::traverse::Uncounted;
-use raywarp_kernels::view::{View, ViewMut};
+use raywarp_core::kernels::Thread;
+use raywarp_core::ray::Ray;
+use raywarp_core::traversal::bvh2::{Bvh2, MAX_DEPTH};
+use raywarp_core::traversal::query::Query;
+use raywarp_core::traversal::NullStatistics;
+use raywarp_core::view::{View, ViewMut};
 
 /// Answers a batch, one thread a ray.
 #[repr(C)]
-pub struct Direct<F, Q: Question> {
+pub struct Direct<F, Q: Query> {
     /// Where to find hits.
     pub tree: Bvh2,
     /// The batch.
@@ -24,26 +24,26 @@ pub struct Direct<F, Q: Question> {
     pub form: PhantomData<F>,
 }
 
-impl<F: Form, Q: Question> Direct<F, Q> {
+impl<F: Form, Q: Query> Direct<F, Q> {
     #[inline(always)]
     pub(crate) fn run(&self, thread: Thread) {
         if thread.x >= self.rays.len() {
             return;
         }
-        let mut room = [const { core::mem::MaybeUninit::uninit() }; MAX_DEPTH + 1];
-        let mut search = Search::<Q>::idle(&self.tree, &mut room);
+        let mut storage = [const { core::mem::MaybeUninit::uninit() }; MAX_DEPTH + 1];
+        let mut search = Search::<Q>::idle(&self.tree, &mut storage);
         search.begin(&self.rays.load(thread.x));
         while !search.is_over() {
-            F::turn(&mut search, &mut Uncounted);
+            F::turn(&mut search, &mut NullStatistics);
         }
         // SAFETY: one thread a ray.
         unsafe { self.answers.set(thread.x, search.answer()) };
     }
 }
 
-impl<F, Q: Question> Clone for Direct<F, Q> {
+impl<F, Q: Query> Clone for Direct<F, Q> {
     fn clone(&self) -> Self {
         *self
     }
 }
-impl<F, Q: Question> Copy for Direct<F, Q> {}
+impl<F, Q: Query> Copy for Direct<F, Q> {}

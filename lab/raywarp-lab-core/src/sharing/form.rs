@@ -3,14 +3,14 @@
 //! A thread whose next step is to a node and one whose next is to a triangle cannot take them at once: one of them waits.
 
 use super::search::Search;
-use raywarp_kernels::arch;
-use raywarp_kernels::traverse::question::Question;
-use raywarp_kernels::traverse::Counter;
+use raywarp_core::arch;
+use raywarp_core::traversal::query::Query;
+use raywarp_core::traversal::Counter;
 
 /// A loop over a search's steps.
 pub trait Form: Copy + Send + Sync {
     /// Some steps of a search that is not over; of those that take turns together, one takes a step at least.
-    fn turn<Q: Question>(search: &mut Search<Q>, counter: &mut impl Counter);
+    fn turn<Q: Query>(search: &mut Search<Q>, counter: &mut impl Counter);
 }
 
 /// A node or a triangle, and again.
@@ -19,7 +19,7 @@ pub struct IfIf;
 
 impl Form for IfIf {
     #[inline(always)]
-    fn turn<Q: Question>(search: &mut Search<Q>, counter: &mut impl Counter) {
+    fn turn<Q: Query>(search: &mut Search<Q>, counter: &mut impl Counter) {
         if search.is_at_node() && !search.holds_leaf() {
             search.visit(counter);
         }
@@ -38,7 +38,7 @@ pub struct WhileWhile;
 
 impl Form for WhileWhile {
     #[inline(always)]
-    fn turn<Q: Question>(search: &mut Search<Q>, counter: &mut impl Counter) {
+    fn turn<Q: Query>(search: &mut Search<Q>, counter: &mut impl Counter) {
         while search.is_at_node() {
             search.visit(counter);
         }
@@ -55,7 +55,7 @@ pub struct Speculative;
 
 impl Form for Speculative {
     #[inline(always)]
-    fn turn<Q: Question>(search: &mut Search<Q>, counter: &mut impl Counter) {
+    fn turn<Q: Query>(search: &mut Search<Q>, counter: &mut impl Counter) {
         while search.is_at_node() {
             search.visit(counter);
             if search.is_at_leaf() && !search.holds_leaf() {
@@ -78,7 +78,7 @@ pub struct Postponed;
 
 impl Form for Postponed {
     #[inline(always)]
-    fn turn<Q: Question>(search: &mut Search<Q>, counter: &mut impl Counter) {
+    fn turn<Q: Query>(search: &mut Search<Q>, counter: &mut impl Counter) {
         if search.is_at_leaf() && !search.holds_leaf() {
             search.hold();
         }

@@ -5,16 +5,16 @@
 
 use super::form::{Form, WhileWhile};
 use super::search::Search;
-use raywarp_kernels::arch;
-use raywarp_kernels::kernels::Thread;
-use raywarp_kernels::ray::{Hit, Ray};
-use raywarp_kernels::sample::{combine, cosine};
-use raywarp_kernels::shade::optics::reflect;
-use raywarp_kernels::traverse::bvh2::{Bvh2, MAX_DEPTH};
-use raywarp_kernels::traverse::question::ClosestHit;
-use raywarp_kernels::traverse::Uncounted;
-use raywarp_kernels::triangle::Triangle;
-use raywarp_kernels::view::{View, ViewMut};
+use raywarp_core::arch;
+use raywarp_core::kernels::Thread;
+use raywarp_core::ray::{Hit, Ray};
+use raywarp_core::sample::{combine, cosine};
+use raywarp_core::shade::optics::reflect;
+use raywarp_core::traversal::bvh2::{Bvh2, MAX_DEPTH};
+use raywarp_core::traversal::query::ClosestHit;
+use raywarp_core::traversal::NullStatistics;
+use raywarp_core::triangle::Triangle;
+use raywarp_core::view::{View, ViewMut};
 
 /// Where paths go, and how far.
 #[repr(C)]
@@ -50,7 +50,7 @@ impl Way {
     fn trace(&self, search: &mut Search<ClosestHit>, ray: &Ray) -> Hit {
         search.begin(ray);
         while !search.is_over() {
-            WhileWhile::turn(search, &mut Uncounted);
+            WhileWhile::turn(search, &mut NullStatistics);
         }
         search.answer()
     }
@@ -62,8 +62,8 @@ impl Way {
             return None;
         }
         let triangle = self.triangles.load(hit.primitive);
-        let across = (triangle.v1 - triangle.v0).cross(triangle.v2 - triangle.v0);
-        let normal = if across.is_zero() { -ray.direction } else { across.normalize() };
+        let shear = (triangle.v1 - triangle.v0).cross(triangle.v2 - triangle.v0);
+        let normal = if shear.is_zero() { -ray.direction } else { shear.normalize() };
         let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
         let direction = match self.diffuse {
             0 => reflect(ray.direction, normal),
@@ -92,8 +92,8 @@ impl Paths {
         if path >= self.rays.len() {
             return;
         }
-        let mut room = [const { core::mem::MaybeUninit::uninit() }; MAX_DEPTH + 1];
-        let mut search = Search::idle(&self.way.tree, &mut room);
+        let mut storage = [const { core::mem::MaybeUninit::uninit() }; MAX_DEPTH + 1];
+        let mut search = Search::idle(&self.way.tree, &mut storage);
         let (mut ray, mut bounce) = (self.rays.load(path), 0);
         loop {
             let hit = self.way.trace(&mut search, &ray);
@@ -146,8 +146,8 @@ impl Bounce {
     #[inline(always)]
     pub(crate) fn run(&self, thread: Thread) {
         let Some((ray, path)) = self.taken(thread.x) else { return };
-        let mut room = [const { core::mem::MaybeUninit::uninit() }; MAX_DEPTH + 1];
-        let mut search = Search::idle(&self.way.tree, &mut room);
+        let mut storage = [const { core::mem::MaybeUninit::uninit() }; MAX_DEPTH + 1];
+        let mut search = Search::idle(&self.way.tree, &mut storage);
         let hit = self.way.trace(&mut search, &ray);
         match self.way.next(&ray, &hit, path, self.bounce) {
             Some(ray) => self.put(Waiting { ray, path, unused: [0; 3] }),

@@ -8,18 +8,18 @@ use core::marker::PhantomData;
 
 use super::form::{Form, WhileWhile};
 use super::search::Search;
-use raywarp_kernels::arch::{self, WARP};
-use raywarp_kernels::kernels::Thread;
-use raywarp_kernels::ray::Ray;
-use raywarp_kernels::tally::Tally;
-use raywarp_kernels::traverse::bvh2::{Bvh2, MAX_DEPTH};
-use raywarp_kernels::traverse::question::Question;
-use raywarp_kernels::traverse::Uncounted;
-use raywarp_kernels::view::{View, ViewMut};
+use raywarp_core::arch::{self, WARP};
+use raywarp_core::kernels::Thread;
+use raywarp_core::ray::Ray;
+use raywarp_core::traversal::bvh2::{Bvh2, MAX_DEPTH};
+use raywarp_core::traversal::query::Query;
+use raywarp_core::traversal::NullStatistics;
+use raywarp_core::view::{View, ViewMut};
+use raywarp_core::warp_counter::WarpCounter;
 
 /// Answers a batch by as many threads as fit on the device at once.
 #[repr(C)]
-pub struct Queued<Q: Question> {
+pub struct Queued<Q: Query> {
     /// Where to find hits.
     pub tree: Bvh2,
     /// The batch.
@@ -35,26 +35,26 @@ pub struct Queued<Q: Question> {
     /// Warps of the launch.
     pub warps: u32,
     /// What is asked.
-    pub question: PhantomData<Q>,
+    pub query: PhantomData<Q>,
 }
 
-impl<Q: Question> Queued<Q> {
+impl<Q: Query> Queued<Q> {
     #[inline(always)]
     pub(crate) fn run(&self, thread: Thread) {
         let queues = self.taken.len() - 1;
         let units = self.rays.len().div_ceil(WARP);
         let share = units.div_ceil(queues);
         let mut queue = thread.x / WARP / self.warps_a_queue % queues;
-        let mut room = [const { core::mem::MaybeUninit::uninit() }; MAX_DEPTH + 1];
-        let mut search = Search::<Q>::idle(&self.tree, &mut room);
+        let mut storage = [const { core::mem::MaybeUninit::uninit() }; MAX_DEPTH + 1];
+        let mut search = Search::<Q>::idle(&self.tree, &mut storage);
         let mut tries = 0;
         while tries < self.tries {
             let first = (queue * share).min(units);
             let count = share.min(units - first);
-            let tally = Tally::new(&self.taken, queue);
+            let warp_counter = WarpCounter::new(&self.taken, queue);
             // Looking costs less than taking, and most queues of others are empty when it comes to stealing.
-            let taken = if tries > 0 { tally.look() } else { 0 };
-            let taken = if taken < count { tally.take(1) } else { taken };
+            let taken = if tries > 0 { warp_counter.look() } else { 0 };
+            let taken = if taken < count { warp_counter.take(1) } else { taken };
             if taken < count {
                 self.answer((first + taken) * WARP + arch::lane(), &mut search);
             } else {
@@ -70,32 +70,32 @@ impl<Q: Question> Queued<Q> {
         if index < self.rays.len() {
             search.begin(&self.rays.load(index));
             while !search.is_over() {
-                WhileWhile::turn(search, &mut Uncounted);
+                WhileWhile::turn(search, &mut NullStatistics);
             }
             // SAFETY: every unit is taken once.
             unsafe { self.answers.set(index, search.answer()) };
         }
         // SAFETY: all threads of the warp took this unit.
-        unsafe { arch::meet(u32::MAX) };
+        unsafe { arch::syncwarp(u32::MAX) };
     }
 
     /// The last warp to leave sets the numbers back, for the next launch.
     #[inline(always)]
     fn leave(&self, queues: u32) {
-        let done = Tally::new(&self.taken, queues);
+        let done = WarpCounter::new(&self.taken, queues);
         if done.take(1) + 1 == self.warps {
             let mut index = arch::lane();
             while index <= queues {
-                Tally::new(&self.taken, index).clear();
+                WarpCounter::new(&self.taken, index).clear();
                 index += WARP;
             }
         }
     }
 }
 
-impl<Q: Question> Clone for Queued<Q> {
+impl<Q: Query> Clone for Queued<Q> {
     fn clone(&self) -> Self {
         *self
     }
 }
-impl<Q: Question> Copy for Queued<Q> {}
+impl<Q: Query> Copy for Queued<Q> {}

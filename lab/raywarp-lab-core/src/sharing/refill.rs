@@ -4,21 +4,21 @@ use core::marker::PhantomData;
 
 use super::form::Form;
 use super::search::Search;
-use raywarp_kernels::arch::{self, WARP};
-use raywarp_kernels::kernels::Thread;
-use raywarp_kernels::queue::Queue;
-use raywarp_kernels::ray::{Ray, MISS};
-use raywarp_kernels::traverse::bvh2::{Bvh2, MAX_DEPTH};
-use raywarp_kernels::traverse::question::Question;
-use raywarp_kernels::traverse::Uncounted;
-use raywarp_kernels::view::{View, ViewMut};
+use raywarp_core::arch::{self, WARP};
+use raywarp_core::kernels::Thread;
+use raywarp_core::queue::Queue;
+use raywarp_core::ray::{Ray, MISS};
+use raywarp_core::traversal::bvh2::{Bvh2, MAX_DEPTH};
+use raywarp_core::traversal::query::Query;
+use raywarp_core::traversal::NullStatistics;
+use raywarp_core::view::{View, ViewMut};
 
 /// A warp asks for rays where fewer of 32 threads have one.
 const LEAST: u32 = 20;
 
 /// Answers a batch by as many threads as fit on the device at once, from one queue.
 #[repr(C)]
-pub struct Refill<F, Q: Question> {
+pub struct Refill<F, Q: Query> {
     /// Where to find hits.
     pub tree: Bvh2,
     /// The batch.
@@ -33,11 +33,11 @@ pub struct Refill<F, Q: Question> {
     pub form: PhantomData<F>,
 }
 
-impl<F: Form, Q: Question> Refill<F, Q> {
+impl<F: Form, Q: Query> Refill<F, Q> {
     #[inline(always)]
     pub(crate) fn run(&self, _: Thread) {
-        let mut room = [const { core::mem::MaybeUninit::uninit() }; MAX_DEPTH + 1];
-        let mut search = Search::<Q>::idle(&self.tree, &mut room);
+        let mut storage = [const { core::mem::MaybeUninit::uninit() }; MAX_DEPTH + 1];
+        let mut search = Search::<Q>::idle(&self.tree, &mut storage);
         let queue = Queue::new(&self.taken, self.rays.len());
         let (mut index, mut left) = (MISS, true);
         // SAFETY: no thread leaves these loops before all of its warp do.
@@ -54,7 +54,7 @@ impl<F: Form, Q: Question> Refill<F, Q> {
             }
             loop {
                 if index != MISS {
-                    F::turn(&mut search, &mut Uncounted);
+                    F::turn(&mut search, &mut NullStatistics);
                     if search.is_over() {
                         // SAFETY: every ray is taken once.
                         unsafe { self.answers.set(index, search.answer()) };
@@ -74,9 +74,9 @@ impl<F: Form, Q: Question> Refill<F, Q> {
     }
 }
 
-impl<F, Q: Question> Clone for Refill<F, Q> {
+impl<F, Q: Query> Clone for Refill<F, Q> {
     fn clone(&self) -> Self {
         *self
     }
 }
-impl<F, Q: Question> Copy for Refill<F, Q> {}
+impl<F, Q: Query> Copy for Refill<F, Q> {}

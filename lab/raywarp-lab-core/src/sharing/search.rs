@@ -1,21 +1,21 @@
 //! One ray on its way through a tree, which can be put aside after any step.
 
-use raywarp_kernels::ray::Ray;
-use raywarp_kernels::traverse::binary::{step, step_back, Aside, Boxes, Room, LEAVES};
-use raywarp_kernels::traverse::bvh2::{Bvh2, Child, Full, ANY};
-use raywarp_kernels::traverse::question::Question;
-use raywarp_kernels::traverse::Counter;
-use raywarp_kernels::triangle::Across;
+use raywarp_core::ray::Ray;
+use raywarp_core::traversal::binary::{step, step_back, Aside, Boxes, Storage, LEAVES};
+use raywarp_core::traversal::bvh2::{Bvh2, Child, Full, ANY};
+use raywarp_core::traversal::query::Query;
+use raywarp_core::traversal::Counter;
+use raywarp_core::triangle::RayShear;
 
 /// No link: the bottom of the stack, or no leaf in hand.
 const NONE: u32 = Aside::END;
 
 /// A ray's search.
-pub struct Search<'a, Q: Question> {
+pub struct Search<'a, Q: Query> {
     tree: Bvh2,
     boxes: Full<ANY>,
-    across: Across,
-    question: Q,
+    shear: RayShear,
+    query: Q,
     links: Aside<'a>,
     t_min: f32,
     t_far: f32,
@@ -25,17 +25,17 @@ pub struct Search<'a, Q: Question> {
     held: u32,
 }
 
-impl<'a, Q: Question> Search<'a, Q> {
+impl<'a, Q: Query> Search<'a, Q> {
     /// Without a ray: it is over.
     #[inline(always)]
-    pub fn idle(tree: &Bvh2, room: &'a mut Room) -> Self {
-        let ray = Ray::new(raywarp_kernels::math::Vec3::ZERO, raywarp_kernels::math::Vec3::ZERO);
+    pub fn idle(tree: &Bvh2, storage: &'a mut Storage) -> Self {
+        let ray = Ray::new(raywarp_core::math::Vec3::ZERO, raywarp_core::math::Vec3::ZERO);
         Self {
             tree: *tree,
             boxes: Full::new(tree, &ray),
-            across: Across::new(&ray),
-            question: Q::about(&ray),
-            links: Aside::new(room),
+            shear: RayShear::new(&ray),
+            query: Q::about(&ray),
+            links: Aside::new(storage),
             t_min: 0.0,
             t_far: 0.0,
             next: NONE,
@@ -48,8 +48,8 @@ impl<'a, Q: Question> Search<'a, Q> {
     pub fn begin(&mut self, ray: &Ray) {
         let ray = ray.within_range();
         self.boxes = Full::new(&self.tree, &ray);
-        self.across = Across::new(&ray);
-        self.question = Q::about(&ray);
+        self.shear = RayShear::new(&ray);
+        self.query = Q::about(&ray);
         self.links.clear();
         (self.t_min, self.t_far) = (ray.t_min, ray.t_max);
         (self.next, self.held) = (0, NONE);
@@ -82,7 +82,7 @@ impl<'a, Q: Question> Search<'a, Q> {
     /// The answer so far; that of the ray once the search is over.
     #[inline(always)]
     pub fn answer(&self) -> Q::Answer {
-        self.question.answer()
+        self.query.answer()
     }
 
     /// Visits the node that is next.
@@ -123,7 +123,7 @@ impl<'a, Q: Question> Search<'a, Q> {
         let leaf = Child::of_bits(self.held);
         let triangle = self.tree.triangles.load(leaf.index());
         self.held = if leaf.count() > 1 { Child::leaf(leaf.index() + 1, leaf.count() - 1).bits() } else { NONE };
-        self.t_far = self.question.visit(&self.across, &triangle);
+        self.t_far = self.query.visit(&self.shear, &triangle);
         if self.t_far < self.t_min {
             (self.next, self.held) = (NONE, NONE);
         }

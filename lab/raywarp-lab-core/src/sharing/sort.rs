@@ -5,10 +5,10 @@
 //! of a bin's rays comes first is left open.
 
 use super::paths::Waiting;
-use raywarp_kernels::arch;
-use raywarp_kernels::kernels::Thread;
-use raywarp_kernels::math::Vec3;
-use raywarp_kernels::view::{View, ViewMut};
+use raywarp_core::arch;
+use raywarp_core::kernels::Thread;
+use raywarp_core::math::Vec3;
+use raywarp_core::view::{View, ViewMut};
 
 /// Bits of a place along an axis.
 const BITS: u32 = 3;

@@ -1,14 +1,14 @@
 //! A hierarchy of four boxes a node, quantised to 64 bytes.
 
 use super::grid::{later, GridRay};
-use raywarp_kernels::arch;
-use raywarp_kernels::math::Vec3;
-use raywarp_kernels::ray::Ray;
-use raywarp_kernels::stack::{Room, Stack};
-use raywarp_kernels::traverse::bvh2::Child;
-use raywarp_kernels::traverse::{Counter, Structure, Visitor};
-use raywarp_kernels::triangle::{Across, Triangle};
-use raywarp_kernels::view::View;
+use raywarp_core::arch;
+use raywarp_core::math::Vec3;
+use raywarp_core::ray::Ray;
+use raywarp_core::stack::{Stack, Storage};
+use raywarp_core::traversal::bvh2::Child;
+use raywarp_core::traversal::{Counter, Structure, Visitor};
+use raywarp_core::triangle::{RayShear, Triangle};
+use raywarp_core::view::View;
 
 /// Levels that a tree may have: the builder keeps to it and `validate` checks it, so the stack cannot overflow.
 pub const MAX_DEPTH: usize = 40;
@@ -17,7 +17,7 @@ pub const MAX_DEPTH: usize = 40;
 ///
 /// Children that do not exist come last and have inverted boxes (low plane 255, high plane 0), which only rays whose
 /// distances overflow enter. For those their links are to some triangle all the same. Boxes hold what is below them with
-/// the margin of [`bvh2::Node`](raywarp_kernels::traverse::bvh2::Node).
+/// the margin of [`bvh2::Node`](raywarp_core::traversal::bvh2::Node).
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
@@ -57,9 +57,9 @@ impl Structure for Bvh4 {
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         let grid_ray = GridRay::new(ray);
-        let across = Across::new(ray);
-        let mut room = Room::<Entry, { 3 * MAX_DEPTH }>::new();
-        let mut stack = Stack::new(&mut room);
+        let shear = RayShear::new(ray);
+        let mut storage = Storage::<Entry, { 3 * MAX_DEPTH }>::new();
+        let mut stack = Stack::new(&mut storage);
         let mut t_far = ray.t_max;
         let mut next = Child::node(0);
         loop {
@@ -82,7 +82,7 @@ impl Structure for Bvh4 {
             }
             for index in next.index()..next.index() + next.count() {
                 counter.triangle();
-                t_far = visitor.visit(&across, &self.triangles.load(index));
+                t_far = visitor.visit(&shear, &self.triangles.load(index));
                 if t_far < ray.t_min {
                     return;
                 }

@@ -1,12 +1,12 @@
 //! A hierarchy of eight boxes a node, compressed to 80 bytes (after Ylitie, Karras and Laine 2017).
 
 use super::grid::{half, Grid, GridRay};
-use raywarp_kernels::math::{vec3, Vec3};
-use raywarp_kernels::ray::Ray;
-use raywarp_kernels::stack::{Room, Stack};
-use raywarp_kernels::traverse::{Counter, Structure, Visitor};
-use raywarp_kernels::triangle::{Across, Triangle};
-use raywarp_kernels::view::View;
+use raywarp_core::math::{vec3, Vec3};
+use raywarp_core::ray::Ray;
+use raywarp_core::stack::{Stack, Storage};
+use raywarp_core::traversal::{Counter, Structure, Visitor};
+use raywarp_core::triangle::{RayShear, Triangle};
+use raywarp_core::view::View;
 
 /// Levels that a tree may have: the builder keeps to it and `validate` checks it, so the stack cannot overflow.
 pub const MAX_DEPTH: usize = 32;
@@ -17,7 +17,7 @@ pub const MAX_LEAF: u32 = 3;
 /// A node: 80 bytes, read as five 128-bit words. Its children are in eight slots, some of which may be empty.
 ///
 /// Child nodes follow each other in the order of their slots, and so do the triangles of all leaves of a node. Boxes hold
-/// what is below them with the margin of [`bvh2::Node`](raywarp_kernels::traverse::bvh2::Node).
+/// what is below them with the margin of [`bvh2::Node`](raywarp_core::traversal::bvh2::Node).
 ///
 /// A child that a ray from octant `o` should visit first is in slot `o`, where bit `i` of an octant says that the direction
 /// is negative on axis `i`; the others follow by how many, and which, bits differ.
@@ -106,9 +106,9 @@ impl Structure for Bvh8 {
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         let grid_ray = GridRay::new(ray);
         let octant = grid_ray.octant();
-        let across = Across::new(ray);
-        let mut room = Room::<Group, MAX_DEPTH>::new();
-        let mut stack = Stack::new(&mut room);
+        let shear = RayShear::new(ray);
+        let mut storage = Storage::<Group, MAX_DEPTH>::new();
+        let mut stack = Stack::new(&mut storage);
         let mut t_far = ray.t_max;
         let mut group = Group::ROOT;
         loop {
@@ -124,7 +124,7 @@ impl Structure for Bvh8 {
                 counter.triangle();
                 let index = node.triangles + triangles.trailing_zeros();
                 triangles &= triangles - 1;
-                t_far = visitor.visit(&across, &self.triangles.load(index));
+                t_far = visitor.visit(&shear, &self.triangles.load(index));
                 if t_far < ray.t_min {
                     return;
                 }

@@ -1,14 +1,14 @@
 //! A hierarchy of eight boxes a node, quantised, with a link for each child: one cache line of a GPU.
 
 use super::grid::{half, later, GridRay};
-use raywarp_kernels::arch;
-use raywarp_kernels::math::Vec3;
-use raywarp_kernels::ray::Ray;
-use raywarp_kernels::stack::{Room, Stack};
-use raywarp_kernels::traverse::bvh2::Child;
-use raywarp_kernels::traverse::{Counter, Structure, Visitor};
-use raywarp_kernels::triangle::{Across, Triangle};
-use raywarp_kernels::view::View;
+use raywarp_core::arch;
+use raywarp_core::math::Vec3;
+use raywarp_core::ray::Ray;
+use raywarp_core::stack::{Stack, Storage};
+use raywarp_core::traversal::bvh2::Child;
+use raywarp_core::traversal::{Counter, Structure, Visitor};
+use raywarp_core::triangle::{RayShear, Triangle};
+use raywarp_core::view::View;
 
 /// Levels that a tree may have: the builder keeps to it and `validate` checks it, so the stack cannot overflow.
 pub const MAX_DEPTH: usize = 32;
@@ -25,7 +25,7 @@ pub struct Node {
     pub unused: [u32; 4],
 }
 
-/// The boxes of eight children, which hold what is below them with the margin of [`bvh2::Node`](raywarp_kernels::traverse::bvh2::Node).
+/// The boxes of eight children, which hold what is below them with the margin of [`bvh2::Node`](raywarp_core::traversal::bvh2::Node).
 ///
 /// Children that do not exist have inverted boxes (low plane 255, high plane 0), which only rays whose distances overflow
 /// enter. For those their links are to some triangle all the same.
@@ -70,16 +70,16 @@ impl Structure for Bvh8w {
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         let grid_ray = GridRay::new(ray);
-        let across = Across::new(ray);
-        let mut room = Room::<Entry, { 7 * MAX_DEPTH }>::new();
-        let mut stack = Stack::new(&mut room);
+        let shear = RayShear::new(ray);
+        let mut storage = Storage::<Entry, { 7 * MAX_DEPTH }>::new();
+        let mut stack = Stack::new(&mut storage);
         let mut t_far = ray.t_max;
         let mut next = Child::node(0);
         loop {
             let nearest = if next.is_leaf() {
                 for index in next.index()..next.index() + next.count() {
                     counter.triangle();
-                    t_far = visitor.visit(&across, &self.triangles.load(index));
+                    t_far = visitor.visit(&shear, &self.triangles.load(index));
                     if t_far < ray.t_min {
                         return;
                     }

@@ -3,10 +3,10 @@
 //! A node has an origin and the distance between planes; byte `q` stands for the plane at `origin + q * spacing`, exactly.
 //! Builders see to it that the box between such planes holds the child's.
 
-use raywarp_kernels::arch::{self, fraction_of_byte};
-use raywarp_kernels::math::{vec3, Vec3};
-use raywarp_kernels::ray::Ray;
-use raywarp_kernels::traverse::binary::SLACK;
+use raywarp_core::arch::{self, fraction_of_byte};
+use raywarp_core::math::{vec3, Vec3};
+use raywarp_core::ray::Ray;
+use raywarp_core::traversal::binary::SLACK;
 
 /// A ray, before it meets a node.
 pub(crate) struct GridRay {

@@ -6,10 +6,10 @@
 //! and follows the trail. Each step of the way depends on the way alone, see `Cell::way`: so the same leaves are visited
 //! in the same order as with a stack, and only nodes are visited more often.
 
-use raywarp_kernels::ray::Ray;
-use raywarp_kernels::traverse::kdtree::{later, Cell, KdTree, Way, MAX_DEPTH};
-use raywarp_kernels::traverse::{Counter, Structure, Visitor};
-use raywarp_kernels::triangle::Across;
+use raywarp_core::ray::Ray;
+use raywarp_core::traversal::kdtree::{later, Cell, KdTree, Way, MAX_DEPTH};
+use raywarp_core::traversal::{Counter, Structure, Visitor};
+use raywarp_core::triangle::RayShear;
 
 /// A tree to be traversed so.
 #[repr(C)]
@@ -93,7 +93,7 @@ impl Structure for KdTrail {
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
-        let across = Across::new(ray);
+        let shear = RayShear::new(ray);
         let inverse = ray.inverse_direction();
         let Some(root) = self.tree.enter(ray, inverse) else { return };
         let mut newest = Newest::new();
@@ -125,7 +125,7 @@ impl Structure for KdTrail {
                     }
                 }
             } else {
-                t_far = self.tree.leaf(node, &across, ray.t_min, t_far, counter, visitor);
+                t_far = self.tree.leaf(node, &shear, ray.t_min, t_far, counter, visitor);
                 if t_far < ray.t_min {
                     return;
                 }

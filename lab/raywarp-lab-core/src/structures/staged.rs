@@ -4,11 +4,11 @@
 //! a picture part: a thread that shades is not there to wait. So here the threads that come together stage for each other,
 //! and nobody else has to be there: each brings one triangle into a place of its own, and all test what was brought.
 
-use raywarp_kernels::arch;
-use raywarp_kernels::ray::Ray;
-use raywarp_kernels::traverse::{Counter, Structure, Visitor};
-use raywarp_kernels::triangle::{Across, Triangle};
-use raywarp_kernels::view::View;
+use raywarp_core::arch;
+use raywarp_core::ray::Ray;
+use raywarp_core::traversal::{Counter, Structure, Visitor};
+use raywarp_core::triangle::{RayShear, Triangle};
+use raywarp_core::view::View;
 
 /// All triangles in a row.
 #[repr(C)]
@@ -23,8 +23,8 @@ impl Structure for Staged {
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
-        let across = Across::new(ray);
-        let mut tray = arch::Tray::mine();
+        let shear = RayShear::new(ray);
+        let mut slots = arch::SharedSlots::mine();
         let here = arch::together();
         let rank = (here & arch::lanes_below()).count_ones();
         let (width, count) = (here.count_ones(), self.triangles.len());
@@ -35,22 +35,22 @@ impl Structure for Staged {
             // before all of them are over. A place belongs to one thread, so other threads of the warp use others.
             unsafe {
                 if first + rank < count {
-                    tray.put(&self.triangles.load(first + rank));
+                    slots.put(&self.triangles.load(first + rank));
                 }
-                arch::meet(here);
+                arch::syncwarp(here);
                 let mut left = here;
                 let mut index = first;
                 while left != 0 && index < count {
-                    let triangle: Triangle = tray.get(left.trailing_zeros());
+                    let triangle: Triangle = slots.get(left.trailing_zeros());
                     left &= left - 1;
                     index += 1;
                     if !over {
                         counter.triangle();
-                        over = visitor.visit(&across, &triangle) < ray.t_min;
+                        over = visitor.visit(&shear, &triangle) < ray.t_min;
                     }
                 }
                 // Nobody overwrites what another still reads, in this search or in the next.
-                arch::meet(here);
+                arch::syncwarp(here);
                 if arch::ballot(here, !over) == 0 {
                     return;
                 }

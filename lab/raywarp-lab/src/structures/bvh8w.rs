@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use raywarp::Triangle;
-use raywarp_kernels::traverse::bvh2::MAX_LEAF;
+use raywarp_core::traversal::bvh2::MAX_LEAF;
 use raywarp_lab_core::structures as kernels;
 use raywarp_lab_core::structures::bvh8w::{Boxes, Node, MAX_DEPTH};
 

@@ -18,7 +18,7 @@ mod tree;
 pub use kind::{Build, StructureKind, UnknownStructure};
 pub use tree::{trail, Tree};
 
-use raywarp_kernels::view::View;
+use raywarp_core::view::View;
 
 /// A view of a slice of the host, for a [`Borrowed`](raywarp::accel::Borrowed) that keeps the slice borrowed.
 fn lend<T: Copy>(items: &[T]) -> View<T> {

@@ -4,8 +4,8 @@ use raywarp::accel::bounds::Bounds;
 use raywarp::accel::bvh2::Bvh2;
 use raywarp::accel::{bvh2_binned, Invalid};
 use raywarp::Triangle;
-use raywarp_kernels::math::vec3;
-use raywarp_kernels::traverse::bvh2::{Child, Node, MAX_DEPTH};
+use raywarp_core::math::vec3;
+use raywarp_core::traversal::bvh2::{Child, Node, MAX_DEPTH};
 
 use super::bvh4::Bvh4;
 use super::bvh8::Bvh8;

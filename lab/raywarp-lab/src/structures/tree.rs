@@ -13,8 +13,8 @@ use raywarp::backend::{Device, DeviceError};
 use raywarp::query::{sampled, QueryError, RayCaster, Tests};
 use raywarp::render::{RenderError, Structure};
 use raywarp::{Hit, Ray, Triangle};
-use raywarp_kernels::traverse::{closest, occlusion, Counter, Occlusion, START};
-use raywarp_kernels::view::Plain;
+use raywarp_core::traversal::{closest, occlusion, Counter, Occlusion, START};
+use raywarp_core::view::Plain;
 use raywarp_lab_core::structures as kernels;
 
 use super::resident::{ResidentStaged, ResidentTrail, ResidentWide};
@@ -31,7 +31,7 @@ pub enum Tree {
     KdSah(KdTree),
     /// The same tree, traversed by restarts.
     KdTrail(KdTree),
-    /// Four boxes a node, quantised.
+    /// TrianglePacket boxes a node, quantised.
     Bvh4(bvh4::Bvh4),
     /// Eight boxes a node, compressed.
     Bvh8(bvh8::Bvh8),
@@ -182,12 +182,12 @@ impl Tree {
         }
     }
 
-    /// [`raywarp_kernels::traverse::closest`] on this machine.
+    /// [`raywarp_core::traversal::closest`] on this machine.
     pub fn closest(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
         with_view!(self, accel => accel.closest(ray, previous, counter), view => closest(view, ray, previous, counter))
     }
 
-    /// [`raywarp_kernels::traverse::occlusion`] on this machine.
+    /// [`raywarp_core::traversal::occlusion`] on this machine.
     pub fn occlusion(&self, ray: &Ray, counter: &mut impl Counter) -> Occlusion {
         with_view!(self, accel => accel.occlusion(ray, counter), view => occlusion(view, ray, counter))
     }

@@ -13,9 +13,9 @@ pub use options::StudyOptions;
 use raywarp::write::Outputs;
 use raywarp_cli::bench::subjects;
 use raywarp_cli::interrupt::Interrupt;
+use raywarp_cli::messages;
 use raywarp_cli::output::Target;
 use raywarp_cli::render::{limit_threads, read};
-use raywarp_cli::say;
 
 /// Measures, and writes the report.
 pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
@@ -26,7 +26,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     outputs.reads(subjects.iter().filter_map(|subject| subject.file.as_deref()))?;
     limit_threads(options.threads)?;
     let device = raywarp_lab::open(options.device)?;
-    say::fallback(&device);
+    messages::fallback(&device);
     report::check(&options.output, &mut outputs, &interrupt)?;
     let about = measure::about(&device, options.quick);
     let setting = Setting::new(options, &device, &about);
@@ -34,7 +34,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     for subject in &subjects {
         if let Some(reason) = subject.absent() {
             study.notes.push(format!("{}: {reason}", subject.name));
-            say::line(&format!("note: {}: {reason}", subject.name));
+            messages::line(&format!("note: {}: {reason}", subject.name));
             continue;
         }
         let loaded = read(subject.file.as_deref(), false, &mut outputs)?;
@@ -43,7 +43,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     anyhow::ensure!(!study.scenes.is_empty(), "no scene was studied; the notes above say why");
     study.growth = measure::growth(&setting)?;
     let written = report::write(&study, &options.output, Target { run: &outputs, interrupt: &interrupt })?;
-    let first = say::path(written.first().unwrap_or(&options.output));
-    say::line(&format!("wrote {first} and {} files beside it", written.len().saturating_sub(1)));
+    let first = messages::path(written.first().unwrap_or(&options.output));
+    messages::line(&format!("wrote {first} and {} files beside it", written.len().saturating_sub(1)));
     Ok(())
 }

@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use raywarp::query::{opaque_triangles, RayKind, RaySource};
 use raywarp::{Hit, Ray, Triangle};
-use raywarp_kernels::math::{vec3, Vec3};
-use raywarp_kernels::traverse::{Occlusion, Uncounted, START};
+use raywarp_core::math::{vec3, Vec3};
+use raywarp_core::traversal::{NullStatistics, Occlusion, START};
 use raywarp_lab::structures::{StructureKind, Tree};
 
 use crate::common::{ray, scene, Numbers, AIMS, FAMILIES};
@@ -19,9 +19,9 @@ fn bits(hit: &Hit) -> [u32; 4] {
 fn agree(trees: &[Tree], ray: &Ray) -> Result<(), String> {
     let mut previous = START;
     for _ in 0..4 {
-        let truth = trees[0].closest(ray, &previous, &mut Uncounted);
+        let truth = trees[0].closest(ray, &previous, &mut NullStatistics);
         for tree in &trees[1..] {
-            let found = tree.closest(ray, &previous, &mut Uncounted);
+            let found = tree.closest(ray, &previous, &mut NullStatistics);
             if bits(&found) != bits(&truth) {
                 return Err(format!("{}: {found:?}, not {truth:?}, along {ray:?}", tree.kind()));
             }
@@ -31,8 +31,8 @@ fn agree(trees: &[Tree], ray: &Ray) -> Result<(), String> {
             break;
         }
     }
-    let truth = trees[0].occlusion(ray, &mut Uncounted);
-    match trees.iter().find(|tree| tree.occlusion(ray, &mut Uncounted) != truth) {
+    let truth = trees[0].occlusion(ray, &mut NullStatistics);
+    match trees.iter().find(|tree| tree.occlusion(ray, &mut NullStatistics) != truth) {
         Some(tree) => Err(format!("{}: not {truth:?} along {ray:?}", tree.kind())),
         None => Ok(()),
     }
@@ -89,7 +89,7 @@ fn rays_in_a_face_of_the_bounds_are_not_lost() {
         for tree in every_tree(&[triangle]) {
             for zero in [0.0, -0.0] {
                 let ray = Ray::new(vec3(axis, 0.5, 5.0), vec3(zero, 0.0, -1.0));
-                assert_eq!(tree.closest(&ray, &START, &mut Uncounted).t, 5.0, "{} at {axis}", tree.kind());
+                assert_eq!(tree.closest(&ray, &START, &mut NullStatistics).t, 5.0, "{} at {axis}", tree.kind());
             }
         }
     }
@@ -101,8 +101,8 @@ fn an_empty_scene_is_missed_by_every_ray() {
         assert_eq!(tree.validate(), Ok(()));
         for origin in [Vec3::ZERO, Vec3::splat(1e30), Vec3::splat(f32::INFINITY), Vec3::splat(f32::NAN)] {
             let ray = Ray::new(origin, Vec3::ONE);
-            assert!(tree.closest(&ray, &START, &mut Uncounted).is_miss(), "{}", tree.kind());
-            assert_eq!(tree.occlusion(&ray, &mut Uncounted), Occlusion::Clear, "{}", tree.kind());
+            assert!(tree.closest(&ray, &START, &mut NullStatistics).is_miss(), "{}", tree.kind());
+            assert_eq!(tree.occlusion(&ray, &mut NullStatistics), Occlusion::Clear, "{}", tree.kind());
         }
     }
 }

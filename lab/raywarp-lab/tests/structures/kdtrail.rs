@@ -4,10 +4,10 @@ use crate::common::{ray, scene, Numbers, AIMS, FAMILIES};
 use proptest::prelude::*;
 use raywarp::accel::kdtree::KdTree;
 use raywarp::accel::kdtree_median;
-use raywarp_kernels::math::vec3;
-use raywarp_kernels::ray::{Hit, Ray};
-use raywarp_kernels::traverse::{all, closest, kdtree, occlusion, Keep, Structure, Tests, START};
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::math::vec3;
+use raywarp_core::ray::{Hit, Ray};
+use raywarp_core::traversal::{all, closest, kdtree, occlusion, Keep, Structure, Tests, START};
+use raywarp_core::triangle::Triangle;
 use raywarp_lab::structures::{kdtree_sah, trail};
 
 /// All hits of a ray.
@@ -25,7 +25,7 @@ fn bits(hit: &Hit) -> [u32; 4] {
 }
 
 /// What the queries answer, and what each of them counts.
-fn ask(structure: &impl Structure, ray: &Ray) -> (String, [Tests; 3]) {
+fn query(structure: &impl Structure, ray: &Ray) -> (String, [Tests; 3]) {
     let (mut counts, mut list) = ([Tests::default(); 3], List::default());
     let [first, shadow, every] = &mut counts;
     let hit = bits(&closest(structure, ray, &START, first));
@@ -36,7 +36,7 @@ fn ask(structure: &impl Structure, ray: &Ray) -> (String, [Tests; 3]) {
 
 /// Returns how many nodes are visited by a stack and by restarts.
 fn check(tree: &KdTree, ray: &Ray) -> Result<[u32; 2], TestCaseError> {
-    let [(by_stack, stack), (by_trail, trail)] = [ask(&tree.view(), ray), ask(&trail(tree), ray)];
+    let [(by_stack, stack), (by_trail, trail)] = [query(&tree.view(), ray), query(&trail(tree), ray)];
     prop_assert_eq!(by_stack, by_trail, "{:?}", ray);
     for (stack, trail) in stack.iter().zip(&trail) {
         prop_assert_eq!(stack.triangles, trail.triangles, "{:?}", ray);

@@ -7,7 +7,7 @@ use raywarp::query::{opaque_triangles, RayCaster, RayKind, RaySource};
 use raywarp::render::{RenderOptions, Tracer};
 use raywarp::scene::Scene;
 use raywarp::{Ray, Triangle};
-use raywarp_kernels::traverse::{Tests, START};
+use raywarp_core::traversal::{Tests, START};
 use raywarp_lab::clocks::{follow, stage_times};
 use raywarp_lab::lanes::{batch, frame, LaneSteps, Log, LoopForm, WARP};
 

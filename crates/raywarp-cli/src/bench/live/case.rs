@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use raywarp_viewer::live::look::{Look, FRAME_RATES};
+use raywarp_viewer::live::view_settings::{ViewSettings, FRAME_RATES};
 use serde::Serialize;
 
 /// A way to look.
@@ -21,12 +21,12 @@ impl Case {
     pub const ALL: [Self; 2] = [Self::Full, Self::Held];
 
     /// The viewer's options: its defaults, but for one sample a pixel also at rest.
-    pub fn look(self) -> Look {
-        let look = Look { spp: 1, ..Look::default() };
+    pub fn view_settings(self) -> ViewSettings {
+        let view_settings = ViewSettings { spp: 1, ..ViewSettings::default() };
         match self {
             // The least rate gives a picture the most time before it is shown in parts.
-            Self::Full => Look { reference: true, frame_rate: FRAME_RATES[0], ..look },
-            Self::Held => look,
+            Self::Full => ViewSettings { reference: true, frame_rate: FRAME_RATES[0], ..view_settings },
+            Self::Held => view_settings,
         }
     }
 
@@ -38,7 +38,7 @@ impl Case {
 
 /// The time that the viewer's own frame rate leaves for a picture.
 pub fn aim() -> Duration {
-    Duration::from_secs_f32(1.0 / Look::default().frame_rate)
+    Duration::from_secs_f32(1.0 / ViewSettings::default().frame_rate)
 }
 
 impl fmt::Display for Case {

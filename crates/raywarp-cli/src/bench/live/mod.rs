@@ -15,16 +15,16 @@ use std::time::Duration;
 use raywarp::accel::{AccelKind, Quality};
 use raywarp::backend::Device;
 use raywarp::scene::RenderDefaults;
-use raywarp_viewer::live::look::Look;
-use raywarp_viewer::live::{Source, Stage, StageOptions};
+use raywarp_viewer::live::view_settings::ViewSettings;
+use raywarp_viewer::live::{LiveScene, LiveSceneOptions, Source};
 
 use super::machine::Machine;
 use super::options::BenchOptions;
 use super::results::Note;
 use super::suite::{subjects, Subject};
 use crate::interrupt::Interrupt;
+use crate::messages;
 use crate::render::limit_threads;
-use crate::say;
 use case::Case;
 use rows::{Live, Row};
 use scripted_pointer::ScriptedPointer;
@@ -45,12 +45,12 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
             continue;
         }
         for build in builds(options)? {
-            let mut stage = open(&subject, &device, build)?;
-            live.measure(&subject, &mut stage, options)?;
+            let mut live_scene = open(&subject, &device, build)?;
+            live.measure(&subject, &mut live_scene, options)?;
         }
     }
     anyhow::ensure!(!live.rows.is_empty(), "nothing was measured; the notes above say why");
-    say::results(&live, options.json, || live.table())
+    messages::results(&live, options.json, || live.table())
 }
 
 /// Every structure with every quality of tree; no structure: the viewer's own choice.
@@ -59,7 +59,7 @@ fn builds(options: &BenchOptions) -> anyhow::Result<Vec<RenderDefaults>> {
         true => vec![None],
         false => options.layout.iter().map(|name| Ok(Some(name.parse()?))).collect::<anyhow::Result<_>>()?,
     };
-    let Look { max_depth, shadows, .. } = Look::default();
+    let ViewSettings { max_depth, shadows, .. } = ViewSettings::default();
     let usual = RenderDefaults { max_depth: Some(max_depth), shadows: Some(shadows), ..RenderDefaults::default() };
     let build = |accel, tree| RenderDefaults { accel, tree: Some(tree), ..usual };
     let qualities = |accel: Option<AccelKind>| match accel.is_none_or(AccelKind::is_hierarchy) {
@@ -74,40 +74,40 @@ fn builds(options: &BenchOptions) -> anyhow::Result<Vec<RenderDefaults>> {
 ///
 /// # Errors
 /// What the stage says of a scene that it cannot show.
-fn open(subject: &Subject, device: &Device, wishes: RenderDefaults) -> anyhow::Result<Stage> {
+fn open(subject: &Subject, device: &Device, overrides: RenderDefaults) -> anyhow::Result<LiveScene> {
     let source = Source { path: subject.file.clone(), ..Source::default() };
-    let options = StageOptions { wishes, viewpoint: subject.view.clone(), ..StageOptions::default() };
-    let mut stage = Stage::open(source, device.clone(), options);
+    let options = LiveSceneOptions { overrides, viewpoint: subject.view.clone(), ..LiveSceneOptions::default() };
+    let mut live_scene = LiveScene::open(source, device.clone(), options);
     let mut said = None;
-    while let Some(busy) = stage.busy() {
+    while let Some(busy) = live_scene.busy() {
         if said.as_ref() != Some(&busy) {
-            say::line(&format!("{}: {busy} ...", subject.name));
+            messages::line(&format!("{}: {busy} ...", subject.name));
             said = Some(busy);
         }
         std::thread::sleep(NAP);
-        stage.poll();
+        live_scene.poll();
     }
-    if let Some(error) = stage.take_error() {
+    if let Some(error) = live_scene.take_error() {
         return Err(error.into());
     }
-    anyhow::ensure!(stage.is_ready(), "cannot read {}", stage.name());
-    Ok(stage)
+    anyhow::ensure!(live_scene.is_ready(), "cannot read {}", live_scene.name());
+    Ok(live_scene)
 }
 
 impl Live {
     /// Every size and case of a scene.
-    fn measure(&mut self, subject: &Subject, stage: &mut Stage, options: &BenchOptions) -> anyhow::Result<()> {
+    fn measure(&mut self, subject: &Subject, live_scene: &mut LiveScene, options: &BenchOptions) -> anyhow::Result<()> {
         for size in options.sizes() {
             for case in Case::ALL {
-                let row = self.row(subject, stage, size, case)?;
+                let row = self.row(subject, live_scene, size, case)?;
                 self.rows.push(row);
             }
         }
         Ok(())
     }
 
-    fn row(&self, subject: &Subject, stage: &mut Stage, size: [u32; 2], case: Case) -> anyhow::Result<Row> {
-        let mut pointer = ScriptedPointer::new(stage, size, case, &subject.view)?;
+    fn row(&self, subject: &Subject, live_scene: &mut LiveScene, size: [u32; 2], case: Case) -> anyhow::Result<Row> {
+        let mut pointer = ScriptedPointer::new(live_scene, size, case, &subject.view)?;
         let status = pointer.status();
         let ([width, height], structure) = (size, &status.accel);
         anyhow::ensure!(
@@ -115,7 +115,7 @@ impl Live {
             "the scene '{}' has no triangle: there is nothing to look at",
             subject.name
         );
-        say::line(&format!("{}: {width}x{height}, {case}, {structure} ...", subject.name));
+        messages::line(&format!("{}: {width}x{height}, {case}, {structure} ...", subject.name));
         let watched = watch::watch(&mut pointer, case, self.seconds, self.warmup)?;
         Row::new(&subject.name, &status, case, &watched, &pointer.rest)
     }

@@ -1,6 +1,6 @@
 //! What was measured of the viewer, as the JSON has it.
 
-use raywarp_viewer::live::look::Look;
+use raywarp_viewer::live::view_settings::ViewSettings;
 use raywarp_viewer::live::{Picture, Status};
 use raywarp_viewer::serve::Coding;
 use serde::Serialize;
@@ -90,20 +90,20 @@ pub struct Part {
 impl Live {
     /// Without any row.
     pub fn new(machine: Machine, seconds: f64, warmup: u32) -> Self {
-        let look = Look::default();
+        let view_settings = ViewSettings::default();
         let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
         Self {
             machine,
             command: std::iter::once("raywarp".to_owned()).chain(words).collect::<Vec<_>>().join(" "),
             seconds,
             warmup,
-            max_depth: look.max_depth,
-            shadows: look.shadows,
+            max_depth: view_settings.max_depth,
+            shadows: view_settings.shadows,
             jpeg_quality: match Coding::MOVING {
                 Coding::Lossy { quality } => quality,
                 Coding::Lossless => 100,
             },
-            aim: look.frame_rate,
+            aim: view_settings.frame_rate,
             rows: Vec::new(),
             notes: Vec::new(),
         }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use raywarp::scene::{Camera, Viewpoint};
-use raywarp_viewer::live::{Button, Event, Modifiers, Picture, Stage, Status, Viewer};
+use raywarp_viewer::live::{Button, Event, LiveScene, Modifiers, Picture, Status, Viewer};
 
 use super::case::Case;
 
@@ -19,7 +19,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 
 /// A viewer whose camera is dragged about its target.
 pub struct ScriptedPointer<'a> {
-    stage: &'a mut Stage,
+    live_scene: &'a mut LiveScene,
     viewer: Viewer,
     /// The picture before anything moved.
     pub rest: Arc<Picture>,
@@ -46,15 +46,15 @@ impl<'a> ScriptedPointer<'a> {
     ///
     /// # Errors
     /// The view cannot be rendered from, the size is beyond the viewer's or too narrow, or the device fails.
-    pub fn new(stage: &'a mut Stage, size: [u32; 2], case: Case, view: &Viewpoint) -> anyhow::Result<Self> {
+    pub fn new(live_scene: &'a mut LiveScene, size: [u32; 2], case: Case, view: &Viewpoint) -> anyhow::Result<Self> {
         let [width, height] = size;
         anyhow::ensure!(
             u64::from(height) <= NARROWEST * u64::from(width),
             "a picture of {width}x{height} is too narrow to drag the camera around; choose a wider --size"
         );
         let mut viewer = Viewer::new(size);
-        *viewer.look_mut() = case.look();
-        let mut pointer = Self { stage, viewer, rest: Arc::default(), size, turned: 0.0, start: Instant::now() };
+        *viewer.look_mut() = case.view_settings();
+        let mut pointer = Self { live_scene, viewer, rest: Arc::default(), size, turned: 0.0, start: Instant::now() };
         let [most_wide, most_high] = pointer.status().size;
         anyhow::ensure!(
             [most_wide, most_high] == size,
@@ -79,7 +79,7 @@ impl<'a> ScriptedPointer<'a> {
 
     /// What the viewer tells.
     pub fn status(&self) -> Status {
-        self.viewer.status(self.stage)
+        self.viewer.status(self.live_scene)
     }
 
     /// Drags on, and renders until the picture is whole.
@@ -109,7 +109,7 @@ impl<'a> ScriptedPointer<'a> {
 
     /// Renders until nothing more is coming.
     fn settle(&mut self) -> anyhow::Result<()> {
-        while self.viewer.wants_frame(self.stage) {
+        while self.viewer.wants_frame(self.live_scene) {
             self.rest = self.render()?;
         }
         Ok(())
@@ -119,7 +119,7 @@ impl<'a> ScriptedPointer<'a> {
     fn render(&mut self) -> anyhow::Result<Arc<Picture>> {
         let begun = Instant::now();
         while begun.elapsed() < PATIENCE {
-            if let Some(picture) = self.viewer.frame(self.stage, self.start.elapsed())? {
+            if let Some(picture) = self.viewer.frame(self.live_scene, self.start.elapsed())? {
                 return Ok(picture);
             }
         }
@@ -149,7 +149,7 @@ impl<'a> ScriptedPointer<'a> {
 
     fn send(&mut self, event: &Event) {
         // A drag asks nothing of a front end.
-        let _ = self.viewer.handle(self.stage, event);
+        let _ = self.viewer.handle(self.live_scene, event);
     }
 }
 

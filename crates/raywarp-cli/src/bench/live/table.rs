@@ -3,7 +3,7 @@
 use super::super::table::{number, table};
 use super::rows::{Live, Part, Row};
 use crate::columns::{left, right, Column};
-use crate::say;
+use crate::messages;
 
 impl Live {
     /// Frames, where their time goes, and notes.
@@ -61,12 +61,12 @@ fn parts() -> Vec<Column<'static, Row>> {
     let mut columns = names();
     columns.extend([
         right("trace", |row: &Row| part(row.parts.trace)),
-        right("develop and fetch", |row: &Row| part(row.parts.fetch)),
+        right("tone_map_film and fetch", |row: &Row| part(row.parts.fetch)),
         right("other", |row: &Row| part(row.parts.other)),
         right("JPEG", |row: &Row| part(row.parts.encode)),
-        right("bytes", |row: &Row| say::bytes(row.jpeg.bytes as u64)),
+        right("bytes", |row: &Row| messages::bytes(row.jpeg.bytes as u64)),
         right("PNG at rest", |row: &Row| {
-            format!("{} ms, {}", number(row.png.ms.median), say::bytes(row.png.bytes as u64))
+            format!("{} ms, {}", number(row.png.ms.median), messages::bytes(row.png.bytes as u64))
         }),
     ]);
     columns

@@ -16,8 +16,8 @@ use raywarp::image::Rgb8;
 use raywarp::write;
 
 use crate::interrupt::Interrupt;
+use crate::messages;
 use crate::output::Target;
-use crate::say;
 use ffmpeg::Container;
 
 /// Kinds of animations.
@@ -96,7 +96,7 @@ impl Animation {
 
     /// Puts the file in its place, and returns a line about it.
     pub fn finish(self, target: Target) -> anyhow::Result<String> {
-        let name = say::path(&self.path);
+        let name = messages::path(&self.path);
         let mut spool = self.encoder.finish().with_context(|| format!("cannot write {name}"))?;
         let failed = || format!("cannot read {name} again before it is put in its place");
         let bytes = spool.metadata().with_context(failed)?.len();
@@ -104,8 +104,8 @@ impl Animation {
         let _held = target.interrupt.hold();
         let fill = |file: &mut File| io::copy(&mut spool, &mut target.interrupt.stop(file)).map(drop);
         target.run.with(&self.path, bytes, fill)?;
-        let frames = say::count(self.frames, "frame");
-        Ok(format!("{name}: {frames}, {} a second, {}", self.fps, say::bytes(bytes)))
+        let frames = messages::count(self.frames, "frame");
+        Ok(format!("{name}: {frames}, {} a second, {}", self.fps, messages::bytes(bytes)))
     }
 }
 

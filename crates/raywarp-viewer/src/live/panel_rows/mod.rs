@@ -12,17 +12,17 @@ use raywarp::accel::Build;
 use super::camera_control::CameraControl;
 use super::edits::{Edits, Touched};
 use super::keys::Action;
-use super::look::Look;
 use super::pick::Pick;
+use super::view_settings::ViewSettings;
 use super::{control_value, Control, Panel, Row, Section, Value};
 
 /// What the panel shows.
 #[derive(Clone, Copy)]
 pub struct Shown<'a> {
     /// The viewer's options.
-    pub look: &'a Look,
+    pub view_settings: &'a ViewSettings,
     /// Those that nobody has changed.
-    pub usual: &'a Look,
+    pub usual: &'a ViewSettings,
     /// The structure as it is and as it was at first.
     pub tree: [Build; 2],
     /// The camera, once there is a scene.
@@ -36,9 +36,9 @@ pub struct Shown<'a> {
 /// What the panel changes: the same, in the hands of one who may.
 pub struct CommandContext<'a> {
     /// The viewer's options.
-    pub look: &'a mut Look,
+    pub view_settings: &'a mut ViewSettings,
     /// Those that nobody has changed.
-    pub usual: &'a Look,
+    pub usual: &'a ViewSettings,
     /// The structure as it is and as it was at first.
     pub tree: [Build; 2],
     /// The camera, once there is a scene.
@@ -53,7 +53,7 @@ pub enum Effect {
     /// Lines beside the picture changed, or nothing did.
     Overlay,
     /// The same samples are to be shown otherwise.
-    Develop,
+    ToneMapFilm,
     /// The picture starts again: options or camera changed.
     Picture,
     /// Another structure is wanted.
@@ -76,7 +76,7 @@ const BUTTONS: [(&str, &str, Action); 6] = [
 
 /// All controls.
 pub fn panel(shown: &Shown) -> Panel {
-    let mut sections = vec![rendering::section([shown.look, shown.usual], &shown.tree)];
+    let mut sections = vec![rendering::section([shown.view_settings, shown.usual], &shown.tree)];
     sections.extend(shown.camera.map(camera::section));
     if let Some(edits) = shown.edits {
         if let Some(pick) = shown.pick {
@@ -103,7 +103,7 @@ impl CommandContext<'_> {
         }
         let early = || "there is no scene yet".to_owned();
         match id.split('.').next().unwrap_or_default() {
-            "look" | "tree" => rendering::set(self.look, self.usual, &self.tree, id, value),
+            "look" | "tree" => rendering::set(self.view_settings, self.usual, &self.tree, id, value),
             "camera" => camera::set(self.camera.as_deref_mut().ok_or_else(early)?, id, value),
             "lights" if id == "lights.add" => {
                 let (edits, camera) = (self.edits.as_deref_mut().ok_or_else(early)?, self.camera.as_deref());
@@ -116,7 +116,7 @@ impl CommandContext<'_> {
     /// Back to the default: of a row, of a section, or with an empty name of everything. Several effects may remain to
     /// be seen to.
     pub fn reset(&mut self, id: &str) -> Vec<Effect> {
-        let mut effects = rendering::reset(self.look, self.usual, &self.tree, id);
+        let mut effects = rendering::reset(self.view_settings, self.usual, &self.tree, id);
         if let Some(control) = self.camera.as_deref_mut() {
             effects.extend(camera::reset(control, id));
         }

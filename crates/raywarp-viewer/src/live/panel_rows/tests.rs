@@ -9,14 +9,14 @@ use super::{panel, CommandContext, Effect, Shown};
 use crate::live::camera_control::CameraControl;
 use crate::live::edits::{Edits, Touched};
 use crate::live::keys::Action;
-use crate::live::look::{Look, View};
 use crate::live::pick::Pick;
+use crate::live::view_settings::{View, ViewSettings};
 use crate::live::{Control, Panel, Row, Value};
 
 /// A viewer without a picture.
 struct Bench {
-    look: Look,
-    usual: Look,
+    view_settings: ViewSettings,
+    usual: ViewSettings,
     tree: [Build; 2],
     camera: CameraControl,
     edits: Edits,
@@ -53,8 +53,8 @@ impl Bench {
             names: Default::default(),
         };
         Self {
-            look: Look::default(),
-            usual: Look::default(),
+            view_settings: ViewSettings::default(),
+            usual: ViewSettings::default(),
             tree: [Build::default(); 2],
             camera: CameraControl::new(framing(bounds), vec![camera], bounds, [0.0, 1.0, 0.0]),
             edits: Edits::new(&scene),
@@ -64,7 +64,7 @@ impl Bench {
 
     fn panel(&self) -> Panel {
         panel(&Shown {
-            look: &self.look,
+            view_settings: &self.view_settings,
             usual: &self.usual,
             tree: self.tree,
             camera: Some(&self.camera),
@@ -82,8 +82,8 @@ impl Bench {
     }
 
     fn with<T>(&mut self, work: impl FnOnce(&mut CommandContext) -> T) -> T {
-        let Self { look, usual, tree, camera, edits, .. } = self;
-        work(&mut CommandContext { look, usual, tree: *tree, camera: Some(camera), edits: Some(edits) })
+        let Self { view_settings, usual, tree, camera, edits, .. } = self;
+        work(&mut CommandContext { view_settings, usual, tree: *tree, camera: Some(camera), edits: Some(edits) })
     }
 
     /// As the viewer will: a wish for a structure is fulfilled at once.
@@ -126,8 +126,15 @@ fn names_are_unique_and_nothing_is_changed_at_first() {
     let names: std::collections::HashSet<_> = rows.iter().map(|row| row.id.clone()).collect();
     assert_eq!(names.len(), rows.len());
     assert!(rows.iter().all(|row| !row.changed));
-    let look = Look::default();
-    let empty = Shown { look: &look, usual: &look, tree: [Build::default(); 2], camera: None, edits: None, pick: None };
+    let view_settings = ViewSettings::default();
+    let empty = Shown {
+        view_settings: &view_settings,
+        usual: &view_settings,
+        tree: [Build::default(); 2],
+        camera: None,
+        edits: None,
+        pick: None,
+    };
     assert_eq!(panel(&empty).sections.len(), 2);
 }
 
@@ -181,7 +188,7 @@ fn sections_and_all_go_back_at_once() {
 fn effects_say_what_remains_to_be_done() {
     let mut bench = Bench::new();
     for (id, value, effect) in [
-        ("look.exposure", Value::Number(1.5), Effect::Develop),
+        ("look.exposure", Value::Number(1.5), Effect::ToneMapFilm),
         ("look.view", Value::Text("depth".into()), Effect::Picture),
         ("look.reference", Value::Flag(true), Effect::Overlay),
         ("camera.projection", Value::Text("parallel".into()), Effect::Picture),
@@ -193,7 +200,7 @@ fn effects_say_what_remains_to_be_done() {
     ] {
         assert_eq!(bench.set(id, value), Ok(effect), "{id}");
     }
-    assert_eq!(bench.look.view, View::Depth);
+    assert_eq!(bench.view_settings.view, View::Depth);
     assert_eq!(bench.camera.camera().projection, Projection::Orthographic { height: 2.5 });
 }
 
@@ -218,10 +225,10 @@ fn what_cannot_be_is_refused_with_a_sentence() {
         assert!(error.contains(part), "{id}: {error}");
     }
     assert_eq!(bench.panel(), before);
-    let mut look = Look::default();
+    let mut view_settings = ViewSettings::default();
     let mut early = CommandContext {
-        look: &mut look,
-        usual: &Look::default(),
+        view_settings: &mut view_settings,
+        usual: &ViewSettings::default(),
         tree: [Build::default(); 2],
         camera: None,
         edits: None,
@@ -257,6 +264,6 @@ proptest! {
                 prop_assert!(finite, "{row:?}");
             }
         }
-        prop_assert!(bench.look.render_options([1, 1]).spp >= 1);
+        prop_assert!(bench.view_settings.render_options([1, 1]).spp >= 1);
     }
 }

@@ -4,16 +4,16 @@ use super::{Lacks, Viewer, MOST};
 use crate::live::edits::Touched;
 use crate::live::export::{Content, Export, Ticket};
 use crate::live::keys::{self, Action};
-use crate::live::look::Changed;
+use crate::live::live_scene::Ready;
 use crate::live::panel_rows::{CommandContext, Effect};
 use crate::live::pick::{self, Pick};
-use crate::live::stage::Ready;
-use crate::live::{Button, Event, Notice, Outcome, Stage};
+use crate::live::view_settings::Changed;
+use crate::live::{Button, Event, LiveScene, Notice, Outcome};
 
 impl Viewer {
     /// Takes an event; returns what the front end has to do.
-    pub fn handle(&mut self, stage: &mut Stage, event: &Event) -> Vec<Outcome> {
-        if self.generation != stage.generation() {
+    pub fn handle(&mut self, live_scene: &mut LiveScene, event: &Event) -> Vec<Outcome> {
+        if self.generation != live_scene.generation() {
             // What was picked is of another scene, which the picture may still show.
             self.pick = None;
         }
@@ -24,8 +24,8 @@ impl Viewer {
             self.notice = None;
             // What went wrong stays until it is mended, or put aside.
             let aside = keys::action(event) == Some(Action::Escape);
-            if aside || stage.notice().is_some_and(|notice| !notice.error) {
-                self.read = stage.told();
+            if aside || live_scene.notice().is_some_and(|notice| !notice.error) {
+                self.read = live_scene.told();
             }
         }
         match event {
@@ -33,23 +33,23 @@ impl Viewer {
                 self.size = [*width, *height].map(|side| side.clamp(1, MOST));
                 self.ask(Lacks::Everything);
             }
-            Event::Set { id, value } => match self.with_context(stage, |context| context.set(id, value)) {
-                Ok(effect) => return self.see_to(stage, effect),
+            Event::Set { id, value } => match self.with_context(live_scene, |context| context.set(id, value)) {
+                Ok(effect) => return self.see_to(live_scene, effect),
                 Err(why) => self.refuse(why),
             },
             Event::Reset { id } => {
-                let effects = self.with_context(stage, |context| context.reset(id));
-                return effects.into_iter().flat_map(|effect| self.see_to(stage, effect)).collect();
+                let effects = self.with_context(live_scene, |context| context.reset(id));
+                return effects.into_iter().flat_map(|effect| self.see_to(live_scene, effect)).collect();
             }
-            _ => return self.point_or_press(stage, event),
+            _ => return self.point_or_press(live_scene, event),
         }
         Vec::new()
     }
 
     /// Pointer and keys.
-    fn point_or_press(&mut self, stage: &mut Stage, event: &Event) -> Vec<Outcome> {
+    fn point_or_press(&mut self, live_scene: &mut LiveScene, event: &Event) -> Vec<Outcome> {
         let click = self.clicks.handle(event, self.aspect());
-        if self.drag_object(stage, event) {
+        if self.drag_object(live_scene, event) {
             // Without a button, all that the camera learns is where the pointer is.
             if matches!(event, Event::Pointer { .. }) {
                 self.steer(event);
@@ -57,19 +57,19 @@ impl Viewer {
             return Vec::new();
         }
         match click {
-            Some(Button::Left) => self.pick = self.under_pointer(stage),
-            Some(Button::Middle) => self.focus(stage),
+            Some(Button::Left) => self.pick = self.under_pointer(live_scene),
+            Some(Button::Middle) => self.focus(live_scene),
             Some(Button::Right) | None => {}
         }
         let Some(action) = keys::action(event) else {
             self.steer(event);
             return Vec::new();
         };
-        match self.look.act(action) {
-            Changed::No => self.act(stage, action, event),
+        match self.view_settings.act(action) {
+            Changed::No => self.act(live_scene, action, event),
             Changed::Overlay => Vec::new(),
-            Changed::Development => self.see_to(stage, Effect::Develop),
-            Changed::Picture => self.see_to(stage, Effect::Picture),
+            Changed::Development => self.see_to(live_scene, Effect::ToneMapFilm),
+            Changed::Picture => self.see_to(live_scene, Effect::Picture),
         }
     }
 
@@ -90,59 +90,59 @@ impl Viewer {
     }
 
     /// Moves the picked object; whether the event was for it.
-    fn drag_object(&mut self, stage: &mut Stage, event: &Event) -> bool {
+    fn drag_object(&mut self, live_scene: &mut LiveScene, event: &Event) -> bool {
         let (aspect, Some(control)) = (self.aspect(), &self.control) else { return false };
         let dragged = self.object_drag.handle(event, aspect, self.pick.as_ref().map(|pick| pick.position), control);
-        if let (Some(by), Some(pick), Some(edits)) = (dragged.by, &self.pick, stage.edits_mut()) {
+        if let (Some(by), Some(pick), Some(edits)) = (dragged.by, &self.pick, live_scene.edits_mut()) {
             let touched = edits.shift_instance(pick.instance, by, !dragged.begins);
-            stage.bring(&touched);
-            self.follow_pick(stage);
+            live_scene.bring(&touched);
+            self.follow_pick(live_scene);
         }
         dragged.consumed
     }
 
     /// Keeps the picked point where it is on its object.
-    fn follow_pick(&mut self, stage: &Stage) {
-        if let (Some(pick), Some(ready)) = (&mut self.pick, stage.ready()) {
+    fn follow_pick(&mut self, live_scene: &LiveScene) {
+        if let (Some(pick), Some(ready)) = (&mut self.pick, live_scene.ready()) {
             pick.follow(&ready.scene.meshes, ready.edits.scene());
         }
     }
 
-    fn with_context<T>(&mut self, stage: &mut Stage, work: impl FnOnce(&mut CommandContext) -> T) -> T {
-        let tree = stage.builds();
-        let (camera, edits) = (self.control.as_mut(), stage.edits_mut());
-        work(&mut CommandContext { look: &mut self.look, usual: &self.usual, tree, camera, edits })
+    fn with_context<T>(&mut self, live_scene: &mut LiveScene, work: impl FnOnce(&mut CommandContext) -> T) -> T {
+        let tree = live_scene.builds();
+        let (camera, edits) = (self.control.as_mut(), live_scene.edits_mut());
+        work(&mut CommandContext { view_settings: &mut self.view_settings, usual: &self.usual, tree, camera, edits })
     }
 
     /// Sees to what remains to be done after a change.
-    fn see_to(&mut self, stage: &mut Stage, effect: Effect) -> Vec<Outcome> {
+    fn see_to(&mut self, live_scene: &mut LiveScene, effect: Effect) -> Vec<Outcome> {
         match effect {
             Effect::Overlay => {}
-            Effect::Develop => self.ask(Lacks::Developing),
+            Effect::ToneMapFilm => self.ask(Lacks::Developing),
             Effect::Picture => self.restart(),
-            Effect::Build(build) => stage.choose(build),
+            Effect::Build(build) => live_scene.choose(build),
             Effect::Scene(touched) => {
-                stage.bring(&touched);
-                self.follow_pick(stage);
+                live_scene.bring(&touched);
+                self.follow_pick(live_scene);
             }
-            Effect::Act(action) => return self.act(stage, action, &Event::Blur),
+            Effect::Act(action) => return self.act(live_scene, action, &Event::Blur),
         }
         Vec::new()
     }
 
     /// What keys ask of others than the options.
-    fn act(&mut self, stage: &mut Stage, action: Action, event: &Event) -> Vec<Outcome> {
+    fn act(&mut self, live_scene: &mut LiveScene, action: Action, event: &Event) -> Vec<Outcome> {
         let outcome = match action {
             Action::Screenshot => self.screenshot(),
             Action::CopyCamera => self.copy_camera(),
             Action::Quit => Some(Outcome::Quit),
-            Action::Reload => (stage.reload(), None).1,
-            Action::Undo => self.change_back(stage, |edits| edits.undo()),
-            Action::Redo => self.change_back(stage, |edits| edits.redo()),
-            Action::Save => self.save(stage),
+            Action::Reload => (live_scene.reload(), None).1,
+            Action::Undo => self.change_back(live_scene, |edits| edits.undo()),
+            Action::Redo => self.change_back(live_scene, |edits| edits.redo()),
+            Action::Save => self.save(live_scene),
             Action::Escape => (self.pick = None, None).1,
-            Action::Focus => (self.focus(stage), None).1,
-            Action::Frame if self.pick.is_some() => (self.frame_picked(stage), None).1,
+            Action::Focus => (self.focus(live_scene), None).1,
+            Action::Frame if self.pick.is_some() => (self.frame_picked(live_scene), None).1,
             _ => (self.steer(event), None).1,
         };
         outcome.into_iter().collect()
@@ -150,18 +150,18 @@ impl Viewer {
 
     fn change_back(
         &mut self,
-        stage: &mut Stage,
+        live_scene: &mut LiveScene,
         step: impl FnOnce(&mut crate::live::edits::Edits) -> Vec<Touched>,
     ) -> Option<Outcome> {
-        let touched = stage.edits_mut().map(step).unwrap_or_default();
-        stage.bring(&touched);
-        self.follow_pick(stage);
+        let touched = live_scene.edits_mut().map(step).unwrap_or_default();
+        live_scene.bring(&touched);
+        self.follow_pick(live_scene);
         None
     }
 
     /// What the pixel under the pointer shows.
-    fn under_pointer(&mut self, stage: &Stage) -> Option<Pick> {
-        let (ready, camera, at) = (stage.ready()?, self.camera()?.clone(), self.clicks.at()?);
+    fn under_pointer(&mut self, live_scene: &LiveScene) -> Option<Pick> {
+        let (ready, camera, at) = (live_scene.ready()?, self.camera()?.clone(), self.clicks.at()?);
         let pixel = [0, 1].map(|i| ((at[i] * self.size[i] as f32) as u32).min(self.size[i] - 1));
         // Where the device has things, which is what is seen.
         let Ready { tracer, scene, placed, .. } = ready;
@@ -173,16 +173,18 @@ impl Viewer {
     }
 
     /// Orbits about what is under the pointer.
-    fn focus(&mut self, stage: &Stage) {
-        let (pick, Some(control)) = (self.under_pointer(stage), &mut self.control) else { return };
+    fn focus(&mut self, live_scene: &LiveScene) {
+        let (pick, Some(control)) = (self.under_pointer(live_scene), &mut self.control) else { return };
         if let Some(pick) = pick {
             control.set_focus(pick.position);
             self.restart();
         }
     }
 
-    fn frame_picked(&mut self, stage: &Stage) {
-        let (Some(ready), Some(pick), Some(control)) = (stage.ready(), &self.pick, &mut self.control) else { return };
+    fn frame_picked(&mut self, live_scene: &LiveScene) {
+        let (Some(ready), Some(pick), Some(control)) = (live_scene.ready(), &self.pick, &mut self.control) else {
+            return;
+        };
         if let Some(bounds) = pick::instance_bounds(&ready.scene.meshes, ready.edits.scene(), pick.instance) {
             control.frame(bounds);
             self.restart();
@@ -202,10 +204,10 @@ impl Viewer {
         Some(Outcome::File(Export { name: "raywarp.png".to_owned(), media_type: "image/png", content, ticket }))
     }
 
-    fn save(&mut self, stage: &Stage) -> Option<Outcome> {
-        let (ready, camera) = (stage.ready()?, self.camera()?.clone());
+    fn save(&mut self, live_scene: &LiveScene) -> Option<Outcome> {
+        let (ready, camera) = (live_scene.ready()?, self.camera()?.clone());
         let ticket = self.ticket()?;
-        Some(Outcome::File(super::save::scene_file(stage, ready, &self.look, camera, self.size, ticket)))
+        Some(Outcome::File(super::save::scene_file(live_scene, ready, &self.view_settings, camera, self.size, ticket)))
     }
 
     /// For the next file, if none is on its way.

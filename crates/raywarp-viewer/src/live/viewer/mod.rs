@@ -14,15 +14,15 @@ use raywarp::render::Film;
 use raywarp::scene::Camera;
 
 use super::camera_control::CameraControl;
-use super::look::Look;
+use super::live_scene::Ready;
 use super::meter::Meter;
 use super::object_drag::ObjectDrag;
 use super::pace::Pace;
 use super::panel_rows::{self, Shown};
 use super::pick::Pick;
 use super::pointer::Clicks;
-use super::stage::Ready;
-use super::{Legend, Notice, Panel, Stage, Status};
+use super::view_settings::ViewSettings;
+use super::{Legend, LiveScene, Notice, Panel, Status};
 
 use frame_pool::FramePool;
 
@@ -43,9 +43,9 @@ const MOST: u32 = 1 << 14;
 /// One viewer.
 pub struct Viewer {
     size: [u32; 2],
-    look: Look,
+    view_settings: ViewSettings,
     /// The options that nobody has changed.
-    usual: Look,
+    usual: ViewSettings,
     control: Option<CameraControl>,
     clicks: Clicks,
     object_drag: ObjectDrag,
@@ -94,8 +94,8 @@ impl Viewer {
     pub fn new(size: [u32; 2]) -> Self {
         Self {
             size: size.map(|side| side.clamp(1, MOST)),
-            look: Look::default(),
-            usual: Look::default(),
+            view_settings: ViewSettings::default(),
+            usual: ViewSettings::default(),
             control: None,
             clicks: Clicks::default(),
             object_drag: ObjectDrag::default(),
@@ -122,9 +122,9 @@ impl Viewer {
     }
 
     /// The options; those that a front end offers before the first frame.
-    pub fn look_mut(&mut self) -> &mut Look {
+    pub fn look_mut(&mut self) -> &mut ViewSettings {
         self.lacks = Lacks::Everything;
-        &mut self.look
+        &mut self.view_settings
     }
 
     /// The camera, once there is a scene.
@@ -148,20 +148,20 @@ impl Viewer {
     }
 
     /// Takes over what the stage has that is new: at a new scene its camera the first time, later the view stays.
-    fn catch_up(&mut self, stage: &Stage, ready: &Ready) {
-        if self.edition != stage.edition() {
-            self.edition = stage.edition();
+    fn catch_up(&mut self, live_scene: &LiveScene, ready: &Ready) {
+        if self.edition != live_scene.edition() {
+            self.edition = live_scene.edition();
             self.restart();
         }
-        if self.trees != stage.trees() {
-            (self.trees, self.boxes) = (stage.trees(), None);
-            if self.look.boxes.is_some() {
+        if self.trees != live_scene.trees() {
+            (self.trees, self.boxes) = (live_scene.trees(), None);
+            if self.view_settings.boxes.is_some() {
                 self.ask(Lacks::Developing);
             }
         }
-        if self.generation != stage.generation() {
-            self.generation = stage.generation();
-            self.look.follow(&self.usual, &ready.usual);
+        if self.generation != live_scene.generation() {
+            self.generation = live_scene.generation();
+            self.view_settings.follow(&self.usual, &ready.usual);
             (self.usual, self.pick) = (ready.usual.clone(), None);
             let (home, bounds) = (ready.home.clone(), ready.tracer.report().bounds);
             let (cameras, up) = (ready.scene.cameras.clone(), [0.0, 1.0, 0.0]);
@@ -176,47 +176,50 @@ impl Viewer {
     }
 
     /// Whether a call of [`frame`](Self::frame) would render: a loop may sleep otherwise.
-    pub fn wants_frame(&self, stage: &Stage) -> bool {
-        stage.is_ready()
+    pub fn wants_frame(&self, live_scene: &LiveScene) -> bool {
+        live_scene.is_ready()
             && (self.lacks != Lacks::Nothing
-                || self.edition != stage.edition()
-                || self.look.boxes.is_some() && self.trees != stage.trees()
+                || self.edition != live_scene.edition()
+                || self.view_settings.boxes.is_some() && self.trees != live_scene.trees()
                 || self.control.as_ref().is_some_and(CameraControl::is_moving))
     }
 
     /// What to tell beside the picture.
-    pub fn status(&self, stage: &Stage) -> Status {
-        let ready = stage.ready();
+    pub fn status(&self, live_scene: &LiveScene) -> Status {
+        let ready = live_scene.ready();
         let built = ready.map(|ready| ready.tracer.structure());
         Status {
-            busy: stage.busy(),
-            notice: self.notice.clone().or_else(|| stage.notice().filter(|_| self.read < stage.told()).cloned()),
-            scene: stage.name(),
-            device: stage.device().description(),
+            busy: live_scene.busy(),
+            notice: self
+                .notice
+                .clone()
+                .or_else(|| live_scene.notice().filter(|_| self.read < live_scene.told()).cloned()),
+            scene: live_scene.name(),
+            device: live_scene.device().description(),
             accel: built
                 .map_or(String::new(), |built| format!("{}, {}", built.kind.unwrap_or_default(), built.quality)),
             triangles: ready.map_or(0, |ready| ready.tracer.report().triangles as u64),
             size: self.size,
             settled: self.lacks == Lacks::Nothing,
-            view: self.look.view.to_string(),
+            view: self.view_settings.view.to_string(),
             legend: self.legend.clone(),
             pick: self.pick.as_ref().map(Pick::lines).unwrap_or_default(),
-            statistics: self.look.statistics,
-            help: self.look.help,
-            panel: self.look.panel,
-            reference: self.look.reference,
+            statistics: self.view_settings.statistics,
+            help: self.view_settings.help,
+            panel: self.view_settings.panel,
+            reference: self.view_settings.reference,
             ..self.meter.status()
         }
     }
 
     /// The side panel as it is now.
-    pub fn panel(&self, stage: &Stage) -> Panel {
+    pub fn panel(&self, live_scene: &LiveScene) -> Panel {
         panel_rows::panel(&Shown {
-            look: &self.look,
+            view_settings: &self.view_settings,
             usual: &self.usual,
-            tree: stage.builds(),
+            tree: live_scene.builds(),
             camera: self.control.as_ref(),
-            edits: stage.ready().map(|ready| &ready.edits),
+            edits: live_scene.ready().map(|ready| &ready.edits),
             pick: self.pick.as_ref(),
         })
     }

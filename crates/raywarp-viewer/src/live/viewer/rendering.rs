@@ -8,9 +8,9 @@ use raywarp::scene::Camera;
 
 use super::{Lacks, Picture, Viewer};
 use crate::live::boxes;
-use crate::live::look::{View, MAX_LEVEL};
 use crate::live::pace::Pace;
-use crate::live::{Legend, Stage};
+use crate::live::view_settings::{View, MAX_LEVEL};
+use crate::live::{Legend, LiveScene};
 use crate::ViewerError;
 
 /// The camera rests when nothing has moved it for so long.
@@ -32,16 +32,16 @@ impl Viewer {
     ///
     /// # Errors
     /// [`ViewerError`] where the device fails.
-    pub fn frame(&mut self, stage: &mut Stage, now: Duration) -> Result<Option<Arc<Picture>>, ViewerError> {
-        stage.poll();
-        let Some(ready) = stage.ready() else { return Ok(None) };
-        self.catch_up(stage, ready);
+    pub fn frame(&mut self, live_scene: &mut LiveScene, now: Duration) -> Result<Option<Arc<Picture>>, ViewerError> {
+        live_scene.poll();
+        let Some(ready) = live_scene.ready() else { return Ok(None) };
+        self.catch_up(live_scene, ready);
         let is_moving = self.fly(now);
         if self.lacks == Lacks::Nothing {
             return Ok(None);
         }
         let Some(camera) = self.camera().cloned() else { return Ok(None) };
-        let live = is_moving && !self.look.reference && self.look.view == View::Picture;
+        let live = is_moving && !self.view_settings.reference && self.view_settings.view == View::Picture;
         if live && self.lacks == Lacks::Samples {
             // The small picture of this camera is there, and the whole one waits until nothing moves: who asks for frames
             // as fast as they come need not do so meanwhile.
@@ -49,7 +49,7 @@ impl Viewer {
             return Ok(None);
         }
         self.meter.begin();
-        let picture = match quantity(self.look.view) {
+        let picture = match quantity(self.view_settings.view) {
             Some(quantity) => self.paint(&ready.tracer, &camera, quantity, is_moving)?,
             None if live => self.move_on(&ready.tracer, &camera)?,
             None => self.refine(&ready.tracer, &camera)?,
@@ -76,14 +76,18 @@ impl Viewer {
     fn move_on(&mut self, tracer: &Tracer, camera: &Camera) -> Result<Picture, ViewerError> {
         let rate = self.moving.as_ref().or(self.resting.as_ref()).map(Film::rate);
         let size = match rate {
-            Some(rate) => self.pace.size(self.size, rate, self.look.frame_rate),
-            None => self.pace.size(self.size, if tracer.device().is_cuda() { 2e8 } else { 1e6 }, self.look.frame_rate),
+            Some(rate) => self.pace.size(self.size, rate, self.view_settings.frame_rate),
+            None => self.pace.size(
+                self.size,
+                if tracer.device().is_cuda() { 2e8 } else { 1e6 },
+                self.view_settings.frame_rate,
+            ),
         };
         let mut film = fresh(self.moving.take(), tracer, size, rate)?;
-        let options = RenderOptions { spp: 1, ..self.look.render_options(size) };
-        while !self.meter.exposed(tracer.expose(&mut film, camera, &options, f64::INFINITY)?) {}
+        let options = RenderOptions { spp: 1, ..self.view_settings.render_options(size) };
+        while !self.meter.exposed(tracer.accumulate(&mut film, camera, &options, f64::INFINITY)?) {}
         self.meter.fetching();
-        film.develop(&self.look.development, None)?;
+        film.tone_map_film(&self.view_settings.development, None)?;
         self.meter.samples([1, 1], size);
         let picture = self.fetch(tracer, camera, &film, false)?;
         (self.moving, self.lacks, self.legend) = (Some(film), Lacks::Samples, None);
@@ -104,19 +108,19 @@ impl Viewer {
             other => fresh(other, tracer, self.size, rate)?,
         };
         self.resting_is_old = false;
-        let options = self.look.render_options(self.size);
+        let options = self.view_settings.render_options(self.size);
         let complete = match self.lacks {
             Lacks::Developing if film.samples() >= options.spp => true,
             _ => {
-                let budget = Pace::budget(self.look.frame_rate).max(self.meter.worth().min(PATIENCE));
-                self.meter.exposed(tracer.expose(&mut film, camera, &options, budget)?)
+                let budget = Pace::budget(self.view_settings.frame_rate).max(self.meter.worth().min(PATIENCE));
+                self.meter.exposed(tracer.accumulate(&mut film, camera, &options, budget)?)
             }
         };
         if film.samples() > 0 {
             self.meter.count_rays(tracer, camera, &options, film.rate())?;
         }
         self.meter.fetching();
-        film.develop(&self.look.development, self.moving.as_ref())?;
+        film.tone_map_film(&self.view_settings.development, self.moving.as_ref())?;
         self.meter.samples([film.samples(), options.spp], self.size);
         let picture = self.fetch(tracer, camera, &film, complete)?;
         self.lacks = if complete { Lacks::Nothing } else { Lacks::Samples };
@@ -133,16 +137,16 @@ impl Viewer {
         is_moving: bool,
     ) -> Result<Picture, ViewerError> {
         let known = self.moving.as_ref().or(self.resting.as_ref()).map(Film::rate);
-        let rate = known.filter(|_| is_moving && !self.look.reference);
-        let size = rate.map_or(self.size, |rate| self.pace.size(self.size, rate, self.look.frame_rate));
+        let rate = known.filter(|_| is_moving && !self.view_settings.reference);
+        let size = rate.map_or(self.size, |rate| self.pace.size(self.size, rate, self.view_settings.frame_rate));
         let kept = if size == self.size { self.resting.take() } else { self.moving.take() };
         let mut film = fresh(kept, tracer, size, rate)?;
-        let painted = tracer.paint(&mut film, camera, &self.look.render_options(size), quantity, None)?;
-        self.meter.painted(painted.kernel_seconds, size);
-        if painted.kernel_seconds > 0.0 {
-            film.learn(f64::from(size[0]) * f64::from(size[1]) / painted.kernel_seconds);
+        let drawn = tracer.draw_aov(&mut film, camera, &self.view_settings.render_options(size), quantity, None)?;
+        self.meter.painted(drawn.kernel_seconds, size);
+        if drawn.kernel_seconds > 0.0 {
+            film.learn(f64::from(size[0]) * f64::from(size[1]) / drawn.kernel_seconds);
         }
-        self.legend = legend(quantity, painted.range, tracer.device().is_cuda());
+        self.legend = legend(quantity, drawn.range, tracer.device().is_cuda());
         let settled = size == self.size;
         let picture = self.fetch(tracer, camera, &film, settled)?;
         *(if settled { &mut self.resting } else { &mut self.moving }) = Some(film);
@@ -155,7 +159,7 @@ impl Viewer {
         self.staging.fetch(tracer.device(), film.screen())?;
         let mut rgba = self.frames.bytes(&self.staging);
         self.meter.fetched();
-        if let Some(level) = self.look.boxes {
+        if let Some(level) = self.view_settings.boxes {
             let boxes = match self.boxes.take() {
                 Some(boxes) => boxes,
                 None => tracer.boxes(MAX_LEVEL)?,
@@ -197,7 +201,7 @@ fn quantity(view: View) -> Option<Quantity> {
 
 /// What the colours of a debug view mean.
 fn legend(quantity: Quantity, [low, high]: [f32; 2], is_gpu: bool) -> Option<Legend> {
-    use raywarp_kernels::false_color::{depth, HEAT};
+    use raywarp_core::false_color::{depth, HEAT};
     let (title, colors) = match quantity {
         Quantity::Normal => ("shading normal: x red, y green, z blue", Vec::new()),
         Quantity::Albedo => ("diffuse colour", Vec::new()),

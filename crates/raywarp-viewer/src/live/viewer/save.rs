@@ -4,27 +4,34 @@ use raywarp::render::RenderOptions;
 use raywarp::scene::{Camera, RenderDefaults};
 
 use crate::live::export::{Content, EditedScene, Export, Ticket};
-use crate::live::look::Look;
-use crate::live::stage::Ready;
-use crate::live::Stage;
+use crate::live::live_scene::Ready;
+use crate::live::view_settings::ViewSettings;
+use crate::live::LiveScene;
 
 /// A file to be kept in the folder that the program was started in, from where it names the original: edits, options, and
 /// the camera first of all.
-pub fn scene_file(stage: &Stage, ready: &Ready, look: &Look, camera: Camera, size: [u32; 2], ticket: Ticket) -> Export {
-    let path = stage.source().path.clone();
+pub fn scene_file(
+    live_scene: &LiveScene,
+    ready: &Ready,
+    view_settings: &ViewSettings,
+    camera: Camera,
+    size: [u32; 2],
+    ticket: Ticket,
+) -> Export {
+    let path = live_scene.source().path.clone();
     let mut now = ready.edits.scene().clone();
     if now.cameras.first() != Some(&camera) {
         now.cameras.insert(0, camera);
     }
-    let ([wanted, _], natural) = (stage.builds(), ready.natural);
+    let ([wanted, _], natural) = (live_scene.builds(), ready.natural);
     // What `raywarp render` would do without being told.
     let plain = RenderOptions::from(&ready.read.render);
     let chosen = RenderDefaults {
         size: (size != plain.size).then_some(size),
-        spp: (look.spp != plain.spp).then_some(look.spp),
+        spp: (view_settings.spp != plain.spp).then_some(view_settings.spp),
         accel: (wanted.kind != natural.kind).then_some(wanted.kind),
         tree: (wanted.quality != natural.quality).then_some(wanted.quality),
-        ..look.wishes(&Look::of(&ready.read.render))
+        ..view_settings.overrides(&ViewSettings::of(&ready.read.render))
     };
     now.render = chosen.or(&now.render);
     let name = name(path.as_ref().and_then(|path| path.file_stem()).map(|stem| stem.to_string_lossy().into_owned()));

@@ -5,9 +5,9 @@ use std::io::{self, Read};
 use std::time::Instant;
 
 use rayon::prelude::*;
-use raywarp_kernels::math::vec3;
-use raywarp_kernels::traverse::bvh2::{Child, Node, MAX_INDEX};
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::math::vec3;
+use raywarp_core::traversal::bvh2::{Child, Node, MAX_INDEX};
+use raywarp_core::triangle::Triangle;
 use xxhash_rust::xxh3::{xxh3_128, xxh3_64};
 
 use crate::accel::bvh2::Bvh2;

@@ -9,14 +9,14 @@
 //! Files are written under another name and renamed, so that several programs may share a directory. Nothing that goes
 //! wrong with the disk is an error: the tree is built, and [`Cached::warning`] says what happened.
 
+mod directory;
 mod file;
-mod shelf;
 #[cfg(test)]
 mod tests;
 
 use std::path::{Path, PathBuf};
 
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::triangle::Triangle;
 
 use super::{Accel, AccelKind, Build, BuildError};
 

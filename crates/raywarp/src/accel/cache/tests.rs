@@ -1,8 +1,8 @@
 use std::fs;
 use std::path::PathBuf;
 
-use raywarp_kernels::math::vec3;
-use raywarp_kernels::traverse::bvh2::{Child, Node};
+use raywarp_core::math::vec3;
+use raywarp_core::traversal::bvh2::{Child, Node};
 use tempfile::TempDir;
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -25,7 +25,7 @@ const HIGH: Build = Build { kind: AccelKind::Bvh2, quality: Quality::High, cache
 const KEY: u128 = 7;
 
 /// A cache with one tree, and the tree's file.
-struct Kept {
+struct RecordedStatistics {
     cache: Cache,
     triangles: Vec<Triangle>,
     tree: Bvh2,
@@ -34,17 +34,17 @@ struct Kept {
     _directory: TempDir,
 }
 
-fn keep() -> Kept {
+fn keep() -> RecordedStatistics {
     let directory = tempfile::tempdir().unwrap();
     let cache = Cache::at(directory.path());
     let triangles = triangles(400);
     let (tree, order) = build_ordered(&triangles, Quality::High).unwrap();
     cache.write(KEY, &tree.nodes, &order).unwrap();
     let path = fs::read_dir(directory.path()).unwrap().next().unwrap().unwrap().path();
-    Kept { cache, triangles, tree, order, path, _directory: directory }
+    RecordedStatistics { cache, triangles, tree, order, path, _directory: directory }
 }
 
-impl Kept {
+impl RecordedStatistics {
     fn read(&self) -> Option<Bvh2> {
         self.cache.read(KEY, &self.triangles).unwrap()
     }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use cudarc::driver::{CudaSlice, DevicePtr};
-use raywarp_kernels::view::Plain;
+use raywarp_core::view::Plain;
 
 use super::{Cuda, DeviceError, Pinned};
 

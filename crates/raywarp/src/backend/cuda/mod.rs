@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use cudarc::driver::{sys, CudaContext, CudaFunction, CudaStream, DriverError, LaunchConfig};
 use cudarc::nvrtc::Ptx;
-use raywarp_kernels::kernels::Kernel;
+use raywarp_core::kernels::Kernel;
 
 use super::{DeviceError, DeviceInfo, KernelInfo, Module};
 pub(super) use buffer::CudaBuffer;
@@ -144,7 +144,7 @@ impl Cuda {
         let function = self.function(K::NAME)?;
         let (columns, rows, _) = stream::configuration(extent, block).block_dim;
         let block_threads = columns * rows;
-        let ask = || -> Result<KernelInfo, DriverError> {
+        let query = || -> Result<KernelInfo, DriverError> {
             let registers = function.num_regs()? as u32;
             let most = self.context().attribute(CU_DEVICE_ATTRIBUTE_MAX_THREADS_PER_MULTIPROCESSOR)?;
             let blocks = function.occupancy_max_active_blocks_per_multiprocessor(block_threads, 0, None)?;
@@ -157,7 +157,7 @@ impl Cuda {
                 occupancy: f64::from(blocks * block_threads) / f64::from(most.max(1)),
             })
         };
-        ask().map_err(|error| self.failed(&format!("described the kernel {}", K::NAME), error))
+        query().map_err(|error| self.failed(&format!("described the kernel {}", K::NAME), error))
     }
 
     /// Refuses blocks that are larger than a kernel was compiled for.
@@ -179,12 +179,12 @@ impl Cuda {
         let configuration = stream::configuration([1, 1], block);
         self.check_block(&function, &configuration)?;
         let (columns, rows, _) = configuration.block_dim;
-        let ask = || -> Result<u32, DriverError> {
+        let query = || -> Result<u32, DriverError> {
             let blocks = function.occupancy_max_active_blocks_per_multiprocessor(columns * rows, 0, None)?;
             let multiprocessors = self.context().attribute(CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT)?;
             Ok(blocks * columns * rows * multiprocessors.max(1) as u32)
         };
-        ask().map_err(|error| self.failed(&format!("described the kernel {}", K::NAME), error))
+        query().map_err(|error| self.failed(&format!("described the kernel {}", K::NAME), error))
     }
 
     /// The PTX of a kernel, if there is any.
@@ -257,7 +257,7 @@ fn explain(error: DriverError) -> String {
 pub(super) fn device_info(index: usize) -> Result<DeviceInfo, DeviceError> {
     use sys::CUdevice_attribute::{CU_DEVICE_ATTRIBUTE_CLOCK_RATE, CU_DEVICE_ATTRIBUTE_MULTIPROCESSOR_COUNT};
     let context = CudaContext::new(index).map_err(driver_error)?;
-    let ask = || -> Result<DeviceInfo, DriverError> {
+    let query = || -> Result<DeviceInfo, DriverError> {
         let (major, minor) = context.compute_capability()?;
         let (free, total) = context.mem_get_info()?;
         Ok(DeviceInfo {
@@ -271,7 +271,7 @@ pub(super) fn device_info(index: usize) -> Result<DeviceInfo, DeviceError> {
             ptx: Ok(()),
         })
     };
-    let mut info = ask().map_err(driver_error)?;
+    let mut info = query().map_err(driver_error)?;
     info.ptx = Cuda::open(index, &[]).and_then(|gpu| gpu.function(SMALLEST_KERNEL).map(drop));
     Ok(info)
 }

@@ -4,7 +4,7 @@ use std::ffi::c_void;
 use std::marker::PhantomData;
 
 use cudarc::driver::result;
-use raywarp_kernels::view::Plain;
+use raywarp_core::view::Plain;
 
 use super::{Cuda, DeviceError};
 

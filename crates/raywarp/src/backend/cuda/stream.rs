@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use cudarc::driver::{sys, CudaEvent, CudaStream, DeviceRepr, DriverError, LaunchConfig, PushKernelArg};
-use raywarp_kernels::kernels::Kernel;
+use raywarp_core::kernels::Kernel;
 
 use super::{driver_error, Cuda, DeviceError};
 

@@ -151,16 +151,16 @@ fn random_rays_fill_the_bounds_and_the_sphere() {
     let source = RaySource::new(&triangles, &above(), [8, 8]).unwrap();
     let Workload { kind, rays } = source.random(COUNT);
     assert_eq!((kind, rays.len()), (RayKind::Random, COUNT));
-    let mut octants = [0.0f64; 64];
+    let mut dual = [0.0f64; 64];
     for ray in &rays {
         let place = (ray.origin - Vec3::new(-2.0, 0.0, -2.0)) * Vec3::new(0.25, 0.2, 0.25);
         let inside = place.to_array().iter().all(|x| (0.0..=1.0).contains(x));
         assert!(inside && (ray.direction.length() - 1.0).abs() < 1e-5, "{ray:?}");
         let halves = [place - Vec3::splat(0.5), ray.direction].map(|v| v.to_array().map(|x| (x >= 0.0) as usize));
-        octants[halves.as_flattened().iter().fold(0, |index, half| 2 * index + half)] += 1.0;
+        dual[halves.as_flattened().iter().fold(0, |index, half| 2 * index + half)] += 1.0;
     }
     let expected = COUNT as f64 / 64.0;
-    let chi_square: f64 = octants.iter().map(|count| (count - expected).powi(2) / expected).sum();
+    let chi_square: f64 = dual.iter().map(|count| (count - expected).powi(2) / expected).sum();
     // 103.4 is exceeded once in a thousand with 63 degrees of freedom.
     assert!(chi_square < 103.4, "{chi_square}");
 }

@@ -1,7 +1,7 @@
 //! A cell with the parts of triangles in it, and how it is cut in two (Wald and Havran 2006, section 4.3).
 
 use rayon::prelude::*;
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::triangle::Triangle;
 
 use super::event::{merged, Event};
 use super::part::{Part, Side};

@@ -17,7 +17,7 @@ mod plane;
 
 use std::time::Instant;
 
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::triangle::Triangle;
 
 use self::cell::{Cell, PARALLEL};
 use self::plane::Plane;

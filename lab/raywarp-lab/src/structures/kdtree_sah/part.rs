@@ -1,6 +1,6 @@
 //! What of a triangle is in a cell.
 
-use raywarp_kernels::triangle::Triangle;
+use raywarp_core::triangle::Triangle;
 
 use raywarp::accel::bounds::Bounds;
 use raywarp::accel::clip::Polygon;

@@ -1,8 +1,8 @@
 //! The tree against a search of all planes and all triangles at every node.
 
 use proptest::prelude::*;
-use raywarp_kernels::math::{vec3, Vec3};
-use raywarp_kernels::traverse::kdtree::Node;
+use raywarp_core::math::{vec3, Vec3};
+use raywarp_core::traversal::kdtree::Node;
 
 use super::cell::Cell;
 use super::event::Event;
@@ -156,11 +156,11 @@ fn what_cannot_be_hit_is_in_no_leaf() {
 #[test]
 fn threads_do_not_change_the_tree() {
     let with = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| build(soup(20_000)).unwrap())
+        let persistent = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        persistent.install(|| build(soup(20_000)).unwrap())
     };
-    let (one, four) = (with(1), with(4));
-    assert!(one.nodes() == four.nodes() && one.references() == four.references());
+    let (one, packet) = (with(1), with(4));
+    assert!(one.nodes() == packet.nodes() && one.references() == packet.references());
     assert!(one.nodes().len() > 1000);
 }
 

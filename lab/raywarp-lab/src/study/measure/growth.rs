@@ -7,7 +7,7 @@ use raywarp_lab::structures::{Build, StructureKind, Tree};
 use super::structures::name;
 use super::Setting;
 use crate::study::findings::Growth;
-use raywarp_cli::say;
+use raywarp_cli::messages;
 
 /// Builders.
 const BUILDS: [(StructureKind, Quality); 5] = [
@@ -28,7 +28,7 @@ pub fn growth(setting: &Setting) -> anyhow::Result<Vec<Growth>> {
     let steps = if setting.quick { 4 } else { 7 };
     for step in 0..steps {
         let count = (1e3 * 10f64.powf(f64::from(step) / 2.0)).round() as u32;
-        say::line(&format!("building trees over {count} triangles ..."));
+        messages::line(&format!("building trees over {count} triangles ..."));
         let triangles = strewn(count);
         for (kind, quality) in BUILDS {
             let build = Build { kind, quality };

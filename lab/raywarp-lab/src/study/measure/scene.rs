@@ -10,7 +10,7 @@ use raywarp_lab::structures::{Build, StructureKind, Tree};
 use super::{costs, frames, lanes, paths, sharing, structures, Setting};
 use crate::study::findings::SceneStudy;
 use raywarp_cli::bench::Subject;
-use raywarp_cli::say;
+use raywarp_cli::messages;
 
 /// Kinds of rays of the study.
 pub const KINDS: [RayKind; 4] = [RayKind::Primary, RayKind::Shadow, RayKind::Reflected, RayKind::Diffuse];
@@ -35,7 +35,7 @@ pub struct Stage<'a> {
 impl Stage<'_> {
     /// Says what comes next: it may take a while.
     pub fn say(&self, what: &str) {
-        say::line(&format!("{}: {what} ...", self.name));
+        messages::line(&format!("{}: {what} ...", self.name));
     }
 
     /// The same rays of a kind, in the order of their pixels along another way through the picture.

@@ -14,7 +14,7 @@ macro_rules! modules {
     };
 }
 
-raywarp_kernels::for_each_kernel!(modules);
+raywarp_core::for_each_kernel!(modules);
 
 /// What the head of a module says of all of them.
 pub(in crate::backend) fn info() -> PtxInfo {

@@ -47,7 +47,8 @@ fn scene(page: &mut Page, scene: &SceneStudy) -> anyhow::Result<()> {
     let shares: Vec<String> = scene.structures.iter().filter_map(share).collect();
     if !shares.is_empty() {
         let shares = shares.join("; ");
-        page.document.say(format!("Share of the device's peak arithmetic that triangle tests reach: {shares}."));
+        page.document
+            .say(format!("LeafRedistribution of the device's peak arithmetic that triangle tests reach: {shares}."));
     }
     Ok(())
 }

@@ -5,8 +5,8 @@ use super::super::plot::{Bar, Bars, Group};
 use super::Page;
 use crate::study::findings::{SceneStudy, Structure};
 use raywarp_cli::columns::{left, right, Column};
+use raywarp_cli::messages;
 use raywarp_cli::paper;
-use raywarp_cli::say;
 
 pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.document.section("structures", "Structures");
@@ -49,7 +49,7 @@ fn columns<'a>(triangles: usize) -> Vec<Column<'a, &'a Structure>> {
         right("depth", |one: &&Structure| count(one.stats.depth)),
         right("largest leaf", |one: &&Structure| count(one.stats.largest_leaf)),
         right("SAH cost", |one: &&Structure| number(one.stats.sah_cost)),
-        right("memory", |one: &&Structure| say::bytes(one.stats.bytes as u64)),
+        right("memory", |one: &&Structure| messages::bytes(one.stats.bytes as u64)),
         right("build,\u{a0}s", |one: &&Structure| number(one.stats.build_seconds)),
     ]
 }

@@ -1,0 +1,334 @@
+//! From a hit to the point on the surface and what it is made of.
+
+use crate::arch;
+use crate::background::Background;
+use crate::light::Light;
+use crate::material::{flags, Material};
+use crate::math::{vec3, Vec3};
+use crate::ray::{Hit, Ray};
+use crate::texture::{mode, Textures, NO_TEXTURE};
+use crate::view::View;
+
+/// A triangle of the scene, as shading reads it.
+#[repr(C, align(16))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Primitive {
+    /// Indices into the vertex arrays.
+    pub vertices: [u32; 3],
+    /// Index into the materials.
+    pub material: u32,
+}
+
+/// A scene in world space, as shading reads it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Scene {
+    /// All triangles.
+    pub primitives: View<Primitive>,
+    /// A position a vertex.
+    pub positions: View<Vec3>,
+    /// A shading normal a vertex; zero means flat.
+    pub normals: View<Vec3>,
+    /// Texture coordinates a vertex, or none at all.
+    pub uvs: View<[f32; 2]>,
+    /// Second texture coordinates a vertex, or none at all.
+    pub second_uvs: View<[f32; 2]>,
+    /// Linear RGBA a vertex, or none at all.
+    pub colors: View<[f32; 4]>,
+    /// Tangent and handedness a vertex (zero: derived from the texture coordinates), or none at all.
+    pub tangents: View<[f32; 4]>,
+    /// Surfaces.
+    pub materials: View<Material>,
+    /// Images.
+    pub textures: Textures,
+    /// Light sources.
+    pub lights: View<Light>,
+    /// Beyond the scene.
+    pub background: Background,
+    /// Light that arrives everywhere.
+    pub ambient: Vec3,
+}
+
+/// A point on a surface, seen from a side.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// World position.
+    pub point: Vec3,
+    /// Unit normal of the triangle, on the side that is seen.
+    pub geometric: Vec3,
+    /// Unit shading normal, on the same side.
+    pub normal: Vec3,
+    /// Whether the outside is seen, from which the vertices run counter-clockwise.
+    pub outside: bool,
+    /// How far a ray must start off the surface, along `geometric`, not to meet it by rounding.
+    pub offset: f32,
+    /// Texture coordinates of the first set.
+    pub uv: [f32; 2],
+    /// Colour that multiplies the diffuse reflectance.
+    pub tint: Vec3,
+    /// Coverage, from 0 to 1.
+    pub coverage: f32,
+}
+
+impl Surface {
+    /// Where a ray that leaves the surface starts: on the side that is seen for `side` = 1, on the other for -1.
+    #[inline(always)]
+    pub fn start(&self, side: f32) -> Vec3 {
+        self.geometric.mul_add(side * self.offset, self.point)
+    }
+}
+
+/// Corners of a triangle and weights to mix them.
+struct Corners {
+    vertices: [u32; 3],
+    weights: [f32; 3],
+}
+
+impl Corners {
+    #[inline(always)]
+    fn mix(&self, array: &View<Vec3>) -> Vec3 {
+        let [a, b, c] = self.vertices.map(|vertex| array.at(vertex));
+        a.mul_add(self.weights[0], b.mul_add(self.weights[1], c * self.weights[2]))
+    }
+
+    #[inline(always)]
+    fn mix_array<const N: usize>(&self, array: &View<[f32; N]>) -> [f32; N] {
+        let [a, b, c] = self.vertices.map(|vertex| array.at(vertex));
+        core::array::from_fn(|i| {
+            arch::fma(a[i], self.weights[0], arch::fma(b[i], self.weights[1], c[i] * self.weights[2]))
+        })
+    }
+}
+
+/// The rounding error of an interpolated point is a few units of 2^-24 of the largest coordinate of the triangle; this
+/// many keep a ray that leaves the point off the triangle.
+const OFFSET: f32 = 32.0 / 16_777_216.0;
+
+/// Unit normal of a triangle, on the side from which its vertices run counter-clockwise.
+#[inline(always)]
+fn outward(p0: Vec3, p1: Vec3, p2: Vec3) -> Vec3 {
+    (p1 - p0).cross(p2 - p0).normalize()
+}
+
+/// Whether a ray meets the side that a normal is on.
+#[inline(always)]
+fn faces(normal: Vec3, ray: &Ray) -> bool {
+    normal.dot(ray.direction) <= 0.0
+}
+
+impl Scene {
+    /// The material of a triangle.
+    #[inline(always)]
+    pub fn material(&self, primitive: u32) -> &Material {
+        self.materials.item(self.primitives.load(primitive).material)
+    }
+
+    /// What light that is not followed any further is taken for: the ambient light, or the background where that is
+    /// brighter. Black would show as speckles in glass.
+    #[inline(always)]
+    pub fn surroundings(&self, direction: Vec3) -> Vec3 {
+        self.ambient.max(self.background.radiance(direction))
+    }
+
+    /// What a ray that enters a triangle's surface is inside of: one more than the index of its material. Materials beyond
+    /// the first 2^24 do not absorb.
+    #[inline(always)]
+    pub fn medium(&self, primitive: u32) -> u32 {
+        let medium = self.primitives.load(primitive).material + 1;
+        if medium < 1 << 24 {
+            medium
+        } else {
+            0
+        }
+    }
+
+    /// The material of a medium, which is not 0.
+    #[inline(always)]
+    pub fn material_of_medium(&self, medium: u32) -> &Material {
+        self.materials.item(medium - 1)
+    }
+
+    #[inline(always)]
+    fn corners(&self, hit: &Hit) -> Corners {
+        let vertices = self.primitives.load(hit.primitive).vertices;
+        Corners { vertices, weights: [1.0 - hit.u - hit.v, hit.u, hit.v] }
+    }
+
+    /// The point that a ray hit.
+    #[inline(always)]
+    pub fn surface(&self, ray: &Ray, hit: &Hit, material: &Material) -> Surface {
+        let corners = self.corners(hit);
+        let [p0, p1, p2] = corners.vertices.map(|vertex| self.positions.at(vertex));
+        let outward = outward(p0, p1, p2);
+        let outside = faces(outward, ray);
+        let side = if outside { 1.0 } else { -1.0 };
+        let (uv, tint, coverage) = self.attributes(&corners, material);
+        let mut normal = self.shading_normal(&corners, outward);
+        if material.normal_map != NO_TEXTURE {
+            normal = self.bend(&corners, normal, uv, material);
+        }
+        let offset = OFFSET * arch::max(p0.max_abs(), arch::max(p1.max_abs(), p2.max_abs()));
+        Surface {
+            point: corners.mix(&self.positions),
+            geometric: outward * side,
+            normal: normal * side,
+            outside,
+            offset,
+            uv,
+            tint,
+            coverage,
+        }
+    }
+
+    /// Texture coordinates, colour and coverage at a hit.
+    #[inline(always)]
+    fn attributes(&self, corners: &Corners, material: &Material) -> ([f32; 2], Vec3, f32) {
+        let uv = if self.uvs.is_empty() { [0.0; 2] } else { corners.mix_array(&self.uvs) };
+        let (mut tint, mut coverage) = (Vec3::ONE, material.opacity);
+        if !self.colors.is_empty() {
+            let [r, g, b, a] = corners.mix_array(&self.colors);
+            (tint, coverage) = (vec3(r, g, b), coverage * a);
+        }
+        if material.diffuse_map != NO_TEXTURE {
+            let [u, v] = self.laid_out(corners, material, material.diffuse_map, uv);
+            let texel = self.textures.sample(material.diffuse_map, u, v);
+            (tint, coverage) = (tint * texel.color, coverage * texel.alpha);
+        }
+        if material.opacity_map != NO_TEXTURE {
+            let [u, v] = self.laid_out(corners, material, material.opacity_map, uv);
+            coverage *= self.textures.sample(material.opacity_map, u, v).color.x;
+        }
+        let coverage = if material.flags & flags::MASK != 0 {
+            if coverage >= material.cutoff {
+                1.0
+            } else {
+                0.0
+            }
+        } else if material.flags & flags::BLEND != 0 {
+            crate::math::clamp(coverage, 0.0, 1.0)
+        } else {
+            1.0
+        };
+        (uv, tint, coverage)
+    }
+
+    /// Texture coordinates by which a texture of the material is laid out, given those of the first set.
+    #[inline(always)]
+    fn laid_out(&self, corners: &Corners, material: &Material, map: u32, first: [f32; 2]) -> [f32; 2] {
+        match self.uses_second(material, map) {
+            true => corners.mix_array(&self.second_uvs),
+            false => first,
+        }
+    }
+
+    /// Texture coordinates by which a texture of the material is laid out at a hit, given those of the first set.
+    #[inline(always)]
+    pub fn coordinates(&self, hit: &Hit, material: &Material, map: u32, first: [f32; 2]) -> [f32; 2] {
+        match self.uses_second(material, map) {
+            true => self.corners(hit).mix_array(&self.second_uvs),
+            false => first,
+        }
+    }
+
+    /// Whether a texture is laid out by the second set. The material is asked first: of most the textures need not be.
+    #[inline(always)]
+    fn uses_second(&self, material: &Material, map: u32) -> bool {
+        material.flags & flags::SECOND_UVS != 0
+            && self.textures.list.item(map).mode & mode::SECOND_UVS != 0
+            && !self.second_uvs.is_empty()
+    }
+
+    /// Whether a ray meets a triangle from inside, to which its vertices run clockwise.
+    #[inline(always)]
+    pub fn is_inside(&self, ray: &Ray, hit: &Hit) -> bool {
+        let [p0, p1, p2] = self.primitives.load(hit.primitive).vertices.map(|vertex| self.positions.at(vertex));
+        !faces(outward(p0, p1, p2), ray)
+    }
+
+    /// What tints the diffuse reflectance at a hit.
+    #[inline(always)]
+    pub fn tint(&self, hit: &Hit, material: &Material) -> Vec3 {
+        self.attributes(&self.corners(hit), material).1
+    }
+
+    /// Coverage at a hit: 0 for a hole.
+    #[inline]
+    pub fn coverage(&self, hit: &Hit, material: &Material) -> f32 {
+        if material.flags & (flags::MASK | flags::BLEND) == 0 {
+            return 1.0;
+        }
+        self.attributes(&self.corners(hit), material).2
+    }
+
+    #[inline(always)]
+    fn shading_normal(&self, corners: &Corners, outward: Vec3) -> Vec3 {
+        let mut sum = Vec3::ZERO;
+        for corner in 0..3 {
+            let normal = self.normals.at(corners.vertices[corner]);
+            let normal = if normal.is_zero() { outward } else { normal };
+            sum = normal.mul_add(corners.weights[corner], sum);
+        }
+        let normal = sum.normalize();
+        // A file may hold normals that point inwards: the winding decides which side is out.
+        if normal.is_zero() {
+            outward
+        } else if normal.dot(outward) < 0.0 {
+            -normal
+        } else {
+            normal
+        }
+    }
+
+    /// The shading normal after the normal map.
+    #[inline(always)]
+    fn bend(&self, corners: &Corners, normal: Vec3, uv: [f32; 2], material: &Material) -> Vec3 {
+        let uvs = if self.uses_second(material, material.normal_map) { &self.second_uvs } else { &self.uvs };
+        let [u, v] = self.laid_out(corners, material, material.normal_map, uv);
+        let Some((tangent, bitangent)) = self.frame(corners, normal, uvs) else { return normal };
+        let (x, y, z) = if material.flags & flags::HEIGHT != 0 {
+            let (right, up) = self.textures.slope(material.normal_map, u, v);
+            (-right, -up, 1.0)
+        } else {
+            let painted = self.textures.sample(material.normal_map, u, v).color.mul_add(2.0, Vec3::splat(-1.0));
+            (painted.x, painted.y, painted.z)
+        };
+        let (x, y) = self.textures.list.item(material.normal_map).to_mesh(x, y);
+        let (x, y) = (x * material.bump, y * material.bump);
+        let bent = tangent.mul_add(x, bitangent.mul_add(y, normal * z)).normalize();
+        if bent.is_zero() {
+            normal
+        } else {
+            bent
+        }
+    }
+
+    /// Unit vectors along which u and v grow, at right angles to the normal; none where the mesh does not say.
+    #[inline(always)]
+    fn frame(&self, corners: &Corners, normal: Vec3, uvs: &View<[f32; 2]>) -> Option<(Vec3, Vec3)> {
+        let (mut tangent, mut handedness) = (Vec3::ZERO, 1.0);
+        if !self.tangents.is_empty() {
+            let [x, y, z, w] = corners.mix_array(&self.tangents);
+            (tangent, handedness) = (vec3(x, y, z), w);
+        }
+        if tangent.is_zero() {
+            (tangent, handedness) = self.derived_tangent(corners, uvs)?;
+        }
+        let tangent = normal.mul_add(-normal.dot(tangent), tangent).normalize();
+        let sign = if handedness < 0.0 { -1.0 } else { 1.0 };
+        (!tangent.is_zero()).then(|| (tangent, normal.cross(tangent) * sign))
+    }
+
+    /// The direction in which u grows over the triangle, and whether (u, v) is mirrored on it.
+    #[inline(always)]
+    fn derived_tangent(&self, corners: &Corners, uvs: &View<[f32; 2]>) -> Option<(Vec3, f32)> {
+        if uvs.is_empty() {
+            return None;
+        }
+        let [p0, p1, p2] = corners.vertices.map(|vertex| self.positions.at(vertex));
+        let [t0, t1, t2] = corners.vertices.map(|vertex| uvs.at(vertex));
+        let (du1, dv1, du2, dv2) = (t1[0] - t0[0], t1[1] - t0[1], t2[0] - t0[0], t2[1] - t0[1]);
+        let area = arch::fma(du1, dv2, -(du2 * dv1));
+        let tangent = ((p1 - p0) * dv2 - (p2 - p0) * dv1) * if area < 0.0 { -1.0 } else { 1.0 };
+        (area != 0.0).then_some((tangent, area))
+    }
+}
