@@ -7,7 +7,7 @@ use crate::camera::{pixel_centre, Camera};
 use crate::film::Pixel;
 use crate::math::Vec3;
 use crate::name::Name;
-use crate::ray::{Hit, Ray};
+use crate::ray::{Hit, HitArrays, Ray};
 use crate::sample::{combine, stratified};
 use crate::shade::whitted::{trace, visible, Limits};
 use crate::surface::Scene;
@@ -138,7 +138,7 @@ pub struct FirstHit {
     pub depth: f32,
     /// Texture coordinates.
     pub uv: [f32; 2],
-    /// Index of the triangle, [`MISS`](crate::ray::MISS) for none.
+    /// Index of the triangle in its mesh, [`MISS`](crate::ray::MISS) for none.
     pub primitive: u32,
     /// Unit shading normal, on the side that is seen.
     pub normal: Vec3,
@@ -146,8 +146,8 @@ pub struct FirstHit {
     pub material: u32,
     /// Diffuse colour with textures.
     pub albedo: Vec3,
-    /// Makes 16 bytes.
-    pub unused: f32,
+    /// Index of the instance, [`MISS`](crate::ray::MISS) for none.
+    pub instance: u32,
     /// World position.
     pub position: Vec3,
     /// Coverage of the surface, 0 for a miss.
@@ -163,7 +163,7 @@ impl FirstHit {
         normal: Vec3::ZERO,
         material: crate::ray::MISS,
         albedo: Vec3::ZERO,
-        unused: 0.0,
+        instance: crate::ray::MISS,
         position: Vec3::ZERO,
         coverage: 0.0,
     };
@@ -199,9 +199,9 @@ impl<S: Structure> FirstHits<S> {
         if hit.is_miss() {
             return FirstHit::NONE;
         }
-        let index = self.scene.primitives.load(hit.primitive).material;
+        let index = self.scene.material_index::<S::Space>(hit);
         let material = self.scene.materials.item(index);
-        let surface = self.scene.surface(ray, hit, material);
+        let surface = self.scene.surface::<S::Space>(ray, hit, material);
         FirstHit {
             depth: hit.t,
             uv: surface.uv,
@@ -209,7 +209,7 @@ impl<S: Structure> FirstHits<S> {
             normal: surface.normal,
             material: index,
             albedo: material.diffuse * surface.tint,
-            unused: 0.0,
+            instance: hit.instance,
             position: surface.point,
             coverage: surface.coverage,
         }
@@ -236,7 +236,7 @@ pub struct Closest<S> {
     /// The batch.
     pub rays: View<Ray>,
     /// One a ray, written.
-    pub hits: ViewMut<Hit>,
+    pub hits: HitArrays,
 }
 
 impl<S: Structure> Closest<S> {
@@ -245,7 +245,7 @@ impl<S: Structure> Closest<S> {
         if let Some(ray) = ray_of(&self.rays, thread) {
             let hit = query::<ClosestHit>(&self.structure, &ray);
             // SAFETY: one thread a ray.
-            unsafe { self.hits.set(thread.x, hit) };
+            unsafe { self.hits.set(thread.x, &hit) };
         }
     }
 }
@@ -320,7 +320,7 @@ pub struct All<S> {
     /// One a ray, written.
     pub counts: ViewMut<u32>,
     /// Written; what a ray does not fill stays as it was.
-    pub hits: ViewMut<Hit>,
+    pub hits: HitArrays,
 }
 
 impl<S: Structure> All<S> {
@@ -348,7 +348,7 @@ impl<S: Structure> All<S> {
 
 /// Room for the hits of one ray.
 struct Row {
-    hits: ViewMut<Hit>,
+    hits: HitArrays,
     first: u32,
 }
 
@@ -356,7 +356,7 @@ impl Keep for Row {
     #[inline(always)]
     fn keep(&mut self, index: u32, hit: &Hit) {
         // SAFETY: whoever launches gives each ray a place of its own, at least as long as `index` becomes.
-        unsafe { self.hits.set(self.first + index, *hit) };
+        unsafe { self.hits.set(self.first + index, hit) };
     }
 }
 

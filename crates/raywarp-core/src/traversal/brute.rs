@@ -1,6 +1,6 @@
 //! Every triangle, for every ray: the paper's first version, and the oracle of all others.
 
-use super::{Counter, Structure, Visitor};
+use super::{Counter, Structure, WorldSpace, Visitor};
 use crate::ray::Ray;
 use crate::triangle::{RayShear, Triangle};
 use crate::view::View;
@@ -15,6 +15,7 @@ pub struct Brute {
 
 impl Structure for Brute {
     const NAME: &'static str = "brute";
+    type Space = WorldSpace;
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {

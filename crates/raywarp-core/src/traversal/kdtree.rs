@@ -1,6 +1,6 @@
 //! A k-d tree in a flat array, traversed with a stack (the paper's structure).
 
-use super::{Counter, Structure, Visitor};
+use super::{Counter, Structure, WorldSpace, Visitor};
 use crate::arch;
 use crate::math::Vec3;
 use crate::ray::Ray;
@@ -151,6 +151,7 @@ impl Cell {
 
 impl Structure for KdTree {
     const NAME: &'static str = "kd";
+    type Space = WorldSpace;
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
