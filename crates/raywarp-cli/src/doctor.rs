@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use raywarp::backend::{survey, Device, DeviceChoice, DeviceError, DeviceInfo, Survey};
+use raywarp::device::{survey, Device, DeviceChoice, DeviceError, DeviceInfo, Survey};
 
 use crate::messages;
 use crate::report::Table;

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use raywarp::backend::DeviceError;
+use raywarp::device::DeviceError;
 use raywarp::query::QueryError;
 use raywarp::render::RenderError;
 use raywarp::write::WriteError;

@@ -1,7 +1,7 @@
 //! `raywarp info`.
 
 use raywarp::accel::AccelKind;
-use raywarp::backend::{Device, DeviceChoice};
+use raywarp::device::{Device, DeviceChoice};
 use raywarp::render::{Report, Tracer};
 use raywarp::scene::{Material, Scene};
 use serde::Serialize;

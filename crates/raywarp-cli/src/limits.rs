@@ -1,6 +1,6 @@
 //! Whether a picture can be held at all, before anything is computed.
 
-use raywarp::backend::{Device, DeviceChoice, DeviceError};
+use raywarp::device::{Device, DeviceChoice, DeviceError};
 use raywarp::image::Format;
 
 use crate::messages;

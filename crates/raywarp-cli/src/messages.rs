@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::Context;
 use raywarp::accel::Dropped;
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp::scene::load::quote;
 use raywarp::write;
 use serde::Serialize;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use raywarp::accel::{AccelKind, Build, Quality};
-use raywarp::backend::{Device, DeviceChoice};
+use raywarp::device::{Device, DeviceChoice};
 use raywarp::image::{Layer, ToneMap};
 use raywarp::query::files::{Format, Mode};
 use raywarp::render::{MAX_DEPTH, MAX_SPP};

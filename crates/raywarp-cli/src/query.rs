@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context;
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp::query::files::{AnswerWriter, Answers, Format, Mode, RayReader};
 use raywarp::query::{Batch, Progress, RayCaster};
 use raywarp::write::{self, Outputs};

@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::Context;
 use raywarp::accel::cache::Cache;
 use raywarp::accel::Build;
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp::image::{Development, Layers};
 use raywarp::render::{self, Progress, Rendering, Tracer};
 use raywarp::scene::{load, Camera, LoadOptions, Loaded, RenderDefaults};

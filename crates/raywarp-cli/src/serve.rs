@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Context;
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp::scene::load::{load, EXTENSIONS};
 use raywarp::scene::{LoadError, LoadOptions};
 use raywarp_viewer::live::{LiveScene, Source};

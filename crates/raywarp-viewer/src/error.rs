@@ -1,7 +1,7 @@
 //! What can go wrong in a viewer.
 
 use raywarp::accel::Unhittable;
-use raywarp::backend::DeviceError;
+use raywarp::device::DeviceError;
 use raywarp::image::ImageError;
 use raywarp::render::RenderError;
 use raywarp::scene::save::SaveError;

@@ -31,7 +31,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp_cli::interrupt::Interrupt;
 use raywarp_cli::options::ViewOptions;
 use raywarp_cli::render::limit_threads;

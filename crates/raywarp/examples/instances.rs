@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use raywarp::accel::two_level::{build, Placement};
 use raywarp::accel::Quality;
-use raywarp::backend::{Device, DeviceChoice};
+use raywarp::device::{Device, DeviceChoice};
 use raywarp::query::RayCaster;
 use raywarp::scene::Transform;
 use raywarp::{Ray, Triangle, Vec3};

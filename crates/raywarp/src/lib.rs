@@ -1,12 +1,12 @@
 //! A ray tracer for CUDA that needs nothing but the driver, and runs on the CPU without one.
 //!
 //! The way of a picture: [`scene::load`] reads files into a [`scene::Scene`], a [`render::Tracer`] flattens it, builds
-//! a structure ([`accel`]) and puts both on a [`backend::Device`], and what it [renders](render::Tracer::render) goes to
+//! a structure ([`accel`]) and puts both on a [`device::Device`], and what it [renders](render::Tracer::render) goes to
 //! [`image`]. A [`query::RayCaster`] answers single rays instead.
 //!
 //! ```
 //! use raywarp::accel::AccelKind;
-//! use raywarp::backend::{Device, DeviceChoice};
+//! use raywarp::device::{Device, DeviceChoice};
 //! use raywarp::render::{RenderOptions, Tracer};
 //!
 //! let loaded = raywarp::scene::load::builtin()?;
@@ -19,7 +19,7 @@
 //! ```
 
 pub mod accel;
-pub mod backend;
+pub mod device;
 pub mod image;
 pub mod query;
 pub mod render;

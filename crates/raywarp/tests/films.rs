@@ -6,7 +6,7 @@ mod common;
 use std::f32::consts::TAU;
 
 use raywarp::accel::{fastest_on, AccelKind, Build, Quality};
-use raywarp::backend::{Device, Staging};
+use raywarp::device::{Device, Staging};
 use raywarp::image::{png, Development, ToneMap};
 use raywarp::render::{world_triangles, Film, Quantity, RenderOptions, Structure, Tracer};
 use raywarp::scene::{load, Light, LightKind, Scene, Transform};

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use common::{ray, scene, Numbers, AIMS, FAMILIES};
 use proptest::prelude::*;
 use raywarp::accel::AccelKind;
-use raywarp::backend::{Device, DeviceChoice};
+use raywarp::device::{Device, DeviceChoice};
 use raywarp::query::{device, QueryError, RayCaster};
 use raywarp::scene::{Instance, Mesh, Scene, Transform};
 use raywarp::{Hit, Ray, Triangle, Vec3, MISS};

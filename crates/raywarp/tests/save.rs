@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
 use raywarp::accel::{AccelKind, Build, Quality};
-use raywarp::backend::{Device, DeviceChoice};
+use raywarp::device::{Device, DeviceChoice};
 use raywarp::image::ToneMap;
 use raywarp::render::{RenderOptions, Tracer};
 use raywarp::scene::load::{self, LoadOptions, Loaded};

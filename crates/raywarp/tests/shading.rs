@@ -1,7 +1,7 @@
 //! Shading against formulas: what a pixel must be where the geometry is simple enough to say.
 
 use raywarp::accel::AccelKind;
-use raywarp::backend::{Device, DeviceChoice};
+use raywarp::device::{Device, DeviceChoice};
 use raywarp::render::{RenderOptions, Tracer};
 use raywarp::scene::{
     AlphaMode, Background, Camera, Filter, Image, Instance, Light, LightKind, Material, Mesh, NormalMap, Projection,

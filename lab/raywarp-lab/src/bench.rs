@@ -1,7 +1,7 @@
 //! `raywarp-lab bench`: that of `raywarp`, over every structure.
 
 use raywarp::accel::{AccelKind, Quality};
-use raywarp::backend::{Device, DeviceChoice};
+use raywarp::device::{Device, DeviceChoice};
 use raywarp::render::{world_triangles, Tracer};
 use raywarp::scene::Scene;
 use raywarp::{Ray, Triangle};

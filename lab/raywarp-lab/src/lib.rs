@@ -16,7 +16,7 @@ mod sharing;
 pub mod structures;
 mod views;
 
-use raywarp::backend::{Device, DeviceChoice, DeviceError};
+use raywarp::device::{Device, DeviceChoice, DeviceError};
 
 pub use sharing::{Batch, Queues, Way};
 

@@ -6,7 +6,7 @@ use raywarp_lab_core::sharing::paths::{Bounce, Paths, Trail, Waiting, Way};
 use raywarp_lab_core::sharing::sort::{Begin, Move, Sum, Tell, BINS, CELLS, RUNS};
 
 use raywarp::accel::bvh2::Bvh2;
-use raywarp::backend::{Buffer, Device, DeviceError};
+use raywarp::device::{Buffer, Device, DeviceError};
 use raywarp::{Ray, Triangle, Vec3};
 
 use crate::views::Views;

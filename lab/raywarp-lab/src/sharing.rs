@@ -14,7 +14,7 @@ use raywarp_lab_core::sharing::refill::Refill;
 use crate::lanes::LoopForm;
 use crate::views::Views;
 use raywarp::accel::bvh2::Bvh2;
-use raywarp::backend::{Buffer, Device, DeviceError};
+use raywarp::device::{Buffer, Device, DeviceError};
 use raywarp::query::Answers;
 use raywarp::{Hit, Ray, Triangle, Vec3};
 

@@ -1,6 +1,6 @@
 //! Views of buffers for the kernels that this crate launches.
 
-use raywarp::backend::Buffer;
+use raywarp::device::Buffer;
 use raywarp_core::view::{Plain, View, ViewMut};
 
 /// As kernels take a buffer. Whoever calls these waits for the kernel before the buffer is touched or gone.

@@ -44,7 +44,7 @@ const LISTS: [List; 2] = [
     List {
         crate_folder: "crates/raywarp-ptx",
         output: "raywarp_ptx.ptx",
-        modules: "crates/raywarp/src/backend/cuda/ptx",
+        modules: "crates/raywarp-device/src/cuda/ptx",
         report: "docs/kernels.md",
         title: "What the kernels need",
         names: raywarp_core::kernels::NAMES,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Context;
 use raywarp::accel::Quality;
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp::query::{opaque_triangles, Answers, Cost, RayKind, RaySource, Timed, Workload};
 use raywarp::render::default_camera;
 use raywarp::scene::Scene;

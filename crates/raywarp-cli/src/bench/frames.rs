@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp::render::{RenderOptions, Rendering};
 use raywarp::scene::Scene;
 use serde::Serialize;

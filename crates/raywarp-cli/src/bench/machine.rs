@@ -1,6 +1,6 @@
 //! What was measured on, and with what.
 
-use raywarp::backend::{survey, Device, DeviceInfo, Survey};
+use raywarp::device::{survey, Device, DeviceInfo, Survey};
 use serde::Serialize;
 
 /// A device and the program.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
 use raywarp::accel::Quality;
-use raywarp::backend::DeviceChoice;
+use raywarp::device::DeviceChoice;
 use raywarp::query::RayKind;
 
 use super::suite::SubjectOptions;

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use raywarp::accel::Quality;
-use raywarp::backend::KernelInfo;
+use raywarp::device::KernelInfo;
 use raywarp::query::{Answers, Cost, RayKind};
 use serde::Serialize;
 

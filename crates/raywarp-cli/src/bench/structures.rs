@@ -1,7 +1,7 @@
 //! The structures that can be measured: raywarp's own here, more in its laboratory.
 
 use raywarp::accel::{self, Accel, AccelKind, Build, Quality, TreeStats};
-use raywarp::backend::{Device, DeviceChoice};
+use raywarp::device::{Device, DeviceChoice};
 use raywarp::query::{tests, RayCaster, Tests};
 use raywarp::render::Tracer;
 use raywarp::scene::Scene;

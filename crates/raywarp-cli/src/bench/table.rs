@@ -39,7 +39,7 @@ impl Results {
             right("triangles", |row: &Row| messages::bytes(row.triangle_bytes as u64)),
         ];
         if kernel {
-            let of = |row: &Row, value: fn(&raywarp::backend::KernelInfo) -> String| {
+            let of = |row: &Row, value: fn(&raywarp::device::KernelInfo) -> String| {
                 row.kernel.as_ref().map_or("-".to_owned(), value)
             };
             columns.push(right("registers", move |row: &Row| of(row, |kernel| kernel.registers.to_string())));

@@ -187,7 +187,7 @@ impl fmt::Display for Short {
 #[cfg(test)]
 mod tests {
     use raywarp::accel::AccelKind;
-    use raywarp::backend::{Device, DeviceChoice};
+    use raywarp::device::{Device, DeviceChoice};
     use raywarp::render::framing;
     use raywarp::scene::{Instance, Material, Transform};
     use raywarp::MISS;

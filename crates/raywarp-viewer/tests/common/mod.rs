@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use raywarp::backend::{Device, DeviceChoice};
+use raywarp::device::{Device, DeviceChoice};
 use raywarp_viewer::live::{LiveScene, LiveSceneOptions, Source};
 use raywarp_viewer::serve::{Patience, ServeError, ServeOptions, Server, Stopper, PROTOCOL};
 use serde_json::{json, Value};

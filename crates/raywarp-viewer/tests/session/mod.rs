@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp::image::{png, Development};
 use raywarp::render::{RenderOptions, Tracer};
 use raywarp::scene::Camera;

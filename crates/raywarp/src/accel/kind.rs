@@ -6,7 +6,7 @@ use raywarp_core::kernels::Closest;
 use raywarp_core::traversal::Bvh8f;
 
 use super::BuildError;
-use crate::backend::Device;
+use crate::device::Device;
 
 /// The fastest structure on a device, as measured on an H200 and on x86-64: `docs/bench`. On a GPU the tree in two
 /// layouts, from which each warp takes what suits its rays; on a CPU the one whose boxes fill a vector.

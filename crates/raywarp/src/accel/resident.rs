@@ -3,12 +3,13 @@
 use raywarp_core::math::Vec3;
 use raywarp_core::traversal::{self, bvh2, bvh2_quantized, bvh8f, kdtree, QuantizedBvh2, Structure};
 use raywarp_core::triangle::Triangle;
+use raywarp_device::kernels::Views;
 
 use super::boxes::{self, TreeBox};
 use super::kdtree::KdTree;
 use super::two_level::TwoLevel;
 use super::{brute, bvh2_dual, bvh2_quantized as host};
-use crate::backend::{Buffer, Device, DeviceError};
+use crate::device::{Buffer, Device, DeviceError};
 
 /// What traversal reads, in buffers of a device. Whatever implements this is traced by every kernel of queries: raywarp's own
 /// structures, and those of others on a device that was opened [with their kernels](Device::open_with).

@@ -1,11 +1,12 @@
 //! Batches of any size, in passes that fit the device's memory.
 
+use raywarp_device::kernels::{Pace, Views};
 use std::ops::ControlFlow;
 
 use super::device::{Answer, Any, Closest, Count};
 use super::launch::{Collect, Request};
 use super::{AllHits, Hits, QueryError, RayCaster};
-use crate::backend::{Buffer, Pace};
+use crate::device::Buffer;
 use crate::{Hit, Ray};
 
 /// Most rays of a pass: more would not make it faster.

@@ -5,7 +5,7 @@ use raywarp_core::traversal::bvh2_dual::octant;
 
 use super::device::Answer;
 use super::{QueryError, RayCaster};
-use crate::backend::{Buffer, Device, DeviceError};
+use crate::device::{Buffer, Device, DeviceError};
 use crate::Ray;
 
 /// How the rays of a batch lie to each other: which of two kernels answers it on a GPU, over a tree in two layouts

@@ -5,7 +5,7 @@
 //! a buffer that a kernel still uses.
 //!
 //! ```
-//! use raywarp::backend::{Device, DeviceChoice};
+//! use raywarp::device::{Device, DeviceChoice};
 //! use raywarp::query::{device::Closest, RayCaster};
 //! use raywarp::{Ray, Triangle, Vec3};
 //!
@@ -29,10 +29,11 @@
 //! ```
 
 use raywarp_core::view::{Plain, View};
+use raywarp_device::kernels::Views;
 
 use super::launch::{Collect, Fill, Find, Launched, Request};
 use super::{QueryError, RayCaster};
-use crate::backend::{Buffer, Device, DeviceError, Stream};
+use crate::device::{Buffer, Device, DeviceError, Stream};
 use crate::{Hit, Ray};
 
 /// Room for the answers to a batch: one of this module's structs.

@@ -1,7 +1,7 @@
 //! What can go wrong with a query, as sentences.
 
 use crate::accel::BuildError;
-use crate::backend::DeviceError;
+use crate::device::DeviceError;
 use crate::render::RenderError;
 
 /// Why there is no answer.

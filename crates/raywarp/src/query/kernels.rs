@@ -5,9 +5,9 @@ use std::any::Any;
 use raywarp_core::kernels::{All, Closest, Count, Occluded};
 use raywarp_core::traversal::QuantizedBvh2;
 use raywarp_core::view::{View, ViewMut};
+use raywarp_device::kernels::Launchable;
 
 use crate::accel::Resident;
-use crate::backend::Launchable;
 use crate::{Hit, Ray};
 
 /// A structure on a device, with a kernel for each question. What is dynamic ends where a kernel is launched: each is compiled

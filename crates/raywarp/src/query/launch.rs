@@ -5,9 +5,10 @@ use raywarp_core::persistent::Persistent;
 use raywarp_core::traversal::query::{AnyHit, ClosestHit, Query};
 use raywarp_core::traversal::QuantizedBvh2;
 use raywarp_core::view::{View, ViewMut};
+use raywarp_device::kernels::{Launch, Launchable, Views};
 
 use super::{Coherence, QueryError, RayCaster};
-use crate::backend::{Buffer, Device, DeviceError, Launch, Launchable, Stream};
+use crate::device::{Buffer, Device, DeviceError, Stream};
 use crate::{Hit, Ray};
 
 /// What a kernel is asked, and where its answers go.
@@ -163,7 +164,7 @@ mod tests {
 
     use super::*;
     use crate::accel::{AccelKind, Build, Quality};
-    use crate::backend::DeviceChoice;
+    use crate::device::DeviceChoice;
     use crate::{Triangle, Vec3};
 
     fn point(size: f32) -> impl Strategy<Value = Vec3> {

@@ -3,7 +3,7 @@
 use super::{Geometries, QueryError, RayCaster, Report, Shared};
 use crate::accel::two_level::{self, Placement, TwoLevel};
 use crate::accel::{BuildError, Quality, ResidentTwoLevel};
-use crate::backend::Device;
+use crate::device::Device;
 use crate::render::{check_instance, check_mesh, flags_of, RenderError};
 use crate::scene::{Mesh, Scene};
 use crate::Triangle;
@@ -103,7 +103,7 @@ impl RayCaster {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::backend::DeviceChoice;
+    use crate::device::DeviceChoice;
     use crate::scene::{Instance, Material, Transform};
     use crate::{Ray, Vec3};
 

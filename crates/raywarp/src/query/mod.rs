@@ -29,7 +29,7 @@ use crate::accel::two_level::TwoLevel;
 use crate::accel::{
     cache, check_device, drop_degenerate, Accel, Build, Dropped, Resident, ResidentTwoLevel, TreeStats,
 };
-use crate::backend::Device;
+use crate::device::Device;
 use crate::render::{upload, Flat};
 use crate::scene::Scene;
 use crate::{Hit, Ray, Triangle};
@@ -51,7 +51,7 @@ pub use workload::{opaque_triangles, PixelOrder, RaySource, Spot, Workload};
 ///
 /// ```
 /// use raywarp::accel::AccelKind;
-/// use raywarp::backend::{Device, DeviceChoice};
+/// use raywarp::device::{Device, DeviceChoice};
 /// use raywarp::query::RayCaster;
 /// use raywarp::{Ray, Vec3};
 ///

@@ -2,11 +2,12 @@
 
 use raywarp_core::persistent::Persistent;
 use raywarp_core::traversal::query::{AnyHit, ClosestHit};
+use raywarp_device::kernels::{Launchable, Views};
 
 use super::coherence::faster;
 use super::launch::persistent;
 use super::{QueryError, RayCaster};
-use crate::backend::{Buffer, DeviceError, KernelInfo, Launchable};
+use crate::device::{Buffer, DeviceError, KernelInfo};
 use crate::{Hit, Ray};
 
 /// Rays on a device with room for their answers.
@@ -125,8 +126,8 @@ mod tests {
     use super::*;
     use crate::accel::Accel;
     use crate::accel::{AccelKind, Build};
-    use crate::backend::Device;
-    use crate::backend::DeviceChoice;
+    use crate::device::Device;
+    use crate::device::DeviceChoice;
     use crate::{Triangle, Vec3};
 
     #[test]

@@ -50,7 +50,7 @@ pub struct Workload {
 ///
 /// ```
 /// use raywarp::accel::AccelKind;
-/// use raywarp::backend::{Device, DeviceChoice};
+/// use raywarp::device::{Device, DeviceChoice};
 /// use raywarp::query::{opaque_triangles, RayCaster, RayKind, RaySource};
 ///
 /// let scene = raywarp::scene::load::builtin()?.scene;

@@ -1,7 +1,8 @@
 //! A picture cut into launches: long enough to fill the device, short enough to report on.
 
+use raywarp_device::kernels::Pace;
+
 use super::options::Window;
-use crate::backend::Pace;
 
 /// Rows of a band are a multiple of this, which is a multiple of every tile and block.
 const ROWS: u32 = 16;

@@ -3,12 +3,13 @@
 use raywarp_core::math::Vec3;
 use raywarp_core::refit::{Refit, Reshape};
 use raywarp_core::traversal::bvh2::Node;
+use raywarp_device::kernels::Views;
 
 use super::flatten::{self, Flat};
 use super::lighting::Lighting;
 use super::{RenderError, Structure, Tracer};
 use crate::accel::{drop_degenerate, ResidentBvh2, TreeBox};
-use crate::backend::{Buffer, Device};
+use crate::device::{Buffer, Device};
 use crate::scene::{Image, Instance, Material, Scene};
 use crate::Triangle;
 
@@ -35,7 +36,7 @@ impl Tracer {
     /// Launches in blocks of so many columns and rows from now on, or of the usual shape.
     ///
     /// # Errors
-    /// As for [`Device::with_block`](crate::backend::Device::with_block).
+    /// As for [`Device::with_block`](crate::device::Device::with_block).
     pub fn set_block(&mut self, block: Option<[u32; 2]>) -> Result<(), RenderError> {
         self.device = self.device.with_block(block)?;
         Ok(())

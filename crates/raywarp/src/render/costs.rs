@@ -5,11 +5,12 @@ use raywarp_core::kernels::Frame;
 use raywarp_core::shade::whitted::Limits;
 use raywarp_core::traversal::Tests;
 use raywarp_core::view::ViewMut;
+use raywarp_device::kernels::Views;
 
 use super::options::Window;
 use super::passes::{self, Pass};
 use super::{camera, RenderError, RenderOptions, Tracer};
-use crate::backend::Buffer;
+use crate::device::Buffer;
 use crate::scene::Camera;
 
 /// Of each pixel, row by row.

@@ -1,7 +1,7 @@
 //! What can go wrong between a scene and its picture.
 
 use crate::accel::BuildError;
-use crate::backend::DeviceError;
+use crate::device::DeviceError;
 
 /// A camera as people know it: one that no file names has a name of raywarp's own.
 fn camera(name: &str) -> String {

@@ -7,9 +7,10 @@ use raywarp_core::screen::{AovRanges, DrawAov, Exposed, Shown, ToneMapFilm};
 use raywarp_core::shade::whitted::Limits;
 use raywarp_core::traversal::Tests;
 use raywarp_core::view::{View, ViewMut};
+use raywarp_device::kernels::Views;
 
 use super::{camera, passes, RenderError, RenderOptions, Tracer};
-use crate::backend::{Buffer, Device};
+use crate::device::{Buffer, Device};
 use crate::image::Development;
 use crate::scene::Camera;
 

@@ -6,7 +6,7 @@ use raywarp_core::surface::Primitive;
 use raywarp_core::triangle::{flags, Triangle};
 
 use super::RenderError;
-use crate::backend::DeviceError;
+use crate::device::DeviceError;
 use crate::scene::{AlphaMode, Instance, Material, Mesh, Scene};
 
 /// A scene without instances. Optional vertex data is either there for all vertices or for none.

@@ -4,7 +4,7 @@ use raywarp_core::background::Background;
 use raywarp_core::light::{kind, Light};
 use raywarp_core::math::{vec3, Vec3};
 
-use crate::backend::{Buffer, Device, DeviceError};
+use crate::device::{Buffer, Device, DeviceError};
 use crate::scene::{self, Camera, LightKind, Scene};
 
 /// What lights the scene.

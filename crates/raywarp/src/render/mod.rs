@@ -21,9 +21,10 @@ use raywarp_core::kernels::{FirstHit, Frame};
 use raywarp_core::shade::whitted::Limits;
 use raywarp_core::traversal::Tests;
 use raywarp_core::view::ViewMut;
+use raywarp_device::kernels::Views;
 
 use crate::accel::{drop_degenerate, Build, Dropped, TreeStats};
-use crate::backend::{Buffer, Device};
+use crate::device::{Buffer, Device};
 use crate::image::Picture;
 use crate::scene::{Camera, Scene};
 use crate::Triangle;

@@ -8,11 +8,12 @@ use raywarp_core::shade::whitted::Limits;
 use raywarp_core::surface;
 use raywarp_core::traversal::{NullStatistics, RecordedStatistics, Structure, Tests};
 use raywarp_core::view::ViewMut;
+use raywarp_device::kernels::Launchable;
 
 use crate::accel::{
     Accel, Rendered, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd, ResidentQuantized, TreeBox,
 };
-use crate::backend::{Device, DeviceError, Launchable};
+use crate::device::{Device, DeviceError};
 use crate::query::kernels::QueryKernels;
 
 /// One launch of a frame: everything but the structure.

@@ -6,11 +6,12 @@ use raywarp_core::math::Vec3;
 use raywarp_core::surface::{self, Primitive};
 use raywarp_core::texture::{Texture, Textures};
 use raywarp_core::view::View;
+use raywarp_device::kernels::Views;
 
 use super::flatten::Flat;
 use super::lighting::{Ambient, Lighting};
 use super::materials::{self, Surfaces};
-use crate::backend::{Buffer, Device, DeviceError};
+use crate::device::{Buffer, Device, DeviceError};
 use crate::scene::{self, Image, Scene};
 
 /// What shading reads.

@@ -6,7 +6,7 @@ use std::time::Instant;
 use raywarp_core::screen::{AovRanges, DrawAov, ToneMapFilm};
 
 use crate::accel::{cache, check_device, Accel, AccelKind, Build, Quality, Rendered, TreeBox, TreeStats};
-use crate::backend::Device;
+use crate::device::Device;
 use crate::Triangle;
 
 use super::passes::{upload, FrameKernels};

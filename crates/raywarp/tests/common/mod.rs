@@ -3,7 +3,7 @@
 #![allow(dead_code)] // Each test uses its share.
 
 use raywarp::accel::{Accel, AccelKind, Build, Quality};
-use raywarp::backend::{Device, DeviceChoice};
+use raywarp::device::{Device, DeviceChoice};
 use raywarp_core::math::{vec3, Vec3};
 use raywarp_core::ray::Ray;
 use raywarp_core::triangle::Triangle;

@@ -1,7 +1,7 @@
 //! Meshes in many places: two levels on the device against the CPU, and against the same scene in world space.
 
 use raywarp::accel::{AccelKind, Quality};
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp::query::{two_level, RayCaster};
 use raywarp::scene::{Instance, Scene, Transform};
 use raywarp::{Hit, Ray, Triangle, Vec3};

@@ -13,7 +13,7 @@ mod watertight;
 use std::path::PathBuf;
 
 use raywarp::accel::AccelKind;
-use raywarp::backend::{Device, DeviceChoice};
+use raywarp::device::{Device, DeviceChoice};
 use raywarp::scene::load::{builtin, load, LoadOptions};
 use raywarp::scene::Scene;
 use raywarp::Triangle;

@@ -1,7 +1,7 @@
 //! Whole pictures: the same on every structure and device, whatever the cut into launches, and as they were.
 
 use raywarp::accel::AccelKind;
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp::image::png;
 use raywarp::render::{RenderOptions, Rendering, Tracer};
 

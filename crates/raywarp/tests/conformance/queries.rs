@@ -1,7 +1,7 @@
 //! Counts and lists of hits, device buffers and streams.
 
 use raywarp::accel::AccelKind;
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp::query::device::{All, Any, Closest, Count};
 use raywarp::query::{AllHits, Coherence, RayCaster};
 use raywarp::{Hit, Ray, Triangle, Vec3};

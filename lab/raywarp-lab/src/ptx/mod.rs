@@ -1,6 +1,6 @@
 //! The PTX of the laboratory's kernels, a module each. `cargo xtask ptx` writes the files beside this one.
 
-use raywarp::backend::Module;
+use raywarp::device::Module;
 
 macro_rules! modules {
     ($($name:ident: $kernel:ty),* $(,)?) => {

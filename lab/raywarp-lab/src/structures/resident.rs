@@ -2,7 +2,7 @@
 
 use raywarp::accel::boxes;
 use raywarp::accel::{Rendered, Resident, ResidentBrute, ResidentKd, TreeBox};
-use raywarp::backend::{Buffer, Device, DeviceError};
+use raywarp::device::{Buffer, Device, DeviceError};
 use raywarp::Triangle;
 use raywarp_core::view::Plain;
 use raywarp_lab_core::structures::{self as kernels, bvh4, bvh8, bvh8w};

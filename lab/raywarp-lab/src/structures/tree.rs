@@ -9,7 +9,7 @@ use raywarp::accel::{
     self, boxes, bvh2_build, Accel, Borrowed, BuildError, Invalid, Quality, ResidentBrute, ResidentKd, TreeBox,
     TreeStats,
 };
-use raywarp::backend::{Device, DeviceError};
+use raywarp::device::{Device, DeviceError};
 use raywarp::query::{sampled, QueryError, RayCaster, Tests};
 use raywarp::render::{RenderError, Structure};
 use raywarp::{Hit, Ray, Triangle};

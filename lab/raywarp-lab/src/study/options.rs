@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use raywarp::backend::DeviceChoice;
+use raywarp::device::DeviceChoice;
 use raywarp_cli::bench::SubjectOptions;
 use raywarp_cli::options::DEVICES;
 use raywarp_cli::values;

@@ -11,7 +11,7 @@ mod pictures;
 mod sharing;
 
 use raywarp::accel::Quality;
-use raywarp::backend::{Device, DeviceChoice};
+use raywarp::device::{Device, DeviceChoice};
 use raywarp::Triangle;
 use raywarp_lab::structures::{Build, StructureKind, Tree};
 

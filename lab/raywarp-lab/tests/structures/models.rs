@@ -2,7 +2,7 @@
 
 use raywarp::accel::bvh2::Bvh2;
 use raywarp::accel::{Accel, AccelKind};
-use raywarp::backend::{Device, DeviceChoice};
+use raywarp::device::{Device, DeviceChoice};
 use raywarp::query::{opaque_triangles, RayCaster, RayKind, RaySource};
 use raywarp::render::{RenderOptions, Tracer};
 use raywarp::scene::Scene;

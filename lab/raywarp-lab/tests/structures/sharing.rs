@@ -2,7 +2,7 @@
 
 use raywarp::accel::bvh2::Bvh2;
 use raywarp::accel::{Accel, AccelKind};
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp::query::{opaque_triangles, Answers, RayCaster, RayKind, RaySource};
 use raywarp::scene::Camera;
 use raywarp::Triangle;

@@ -13,7 +13,7 @@ mod watch;
 use std::time::Duration;
 
 use raywarp::accel::{AccelKind, Quality};
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp::scene::RenderDefaults;
 use raywarp_viewer::live::view_settings::ViewSettings;
 use raywarp_viewer::live::{LiveScene, LiveSceneOptions, Source};

@@ -14,7 +14,7 @@ mod structures;
 use std::path::{Path, PathBuf};
 
 use raywarp::accel::Build;
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp::scene::{RenderDefaults, Viewpoint};
 
 use super::edits::{Edits, Touched};

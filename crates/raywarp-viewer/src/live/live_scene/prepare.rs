@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 use raywarp::accel::{AccelKind, Build, Quality};
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp::render::{self, world_triangles, Structure, Tracer};
 use raywarp::scene::load::{self, Attempt};
 use raywarp::scene::{Camera, Instance, LoadOptions, Loaded, Material, RenderDefaults, Scene};

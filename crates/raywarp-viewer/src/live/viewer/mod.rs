@@ -9,7 +9,7 @@ use std::sync::Weak;
 use std::time::Duration;
 
 use raywarp::accel::TreeBox;
-use raywarp::backend::Staging;
+use raywarp::device::Staging;
 use raywarp::render::Film;
 use raywarp::scene::Camera;
 

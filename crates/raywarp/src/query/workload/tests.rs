@@ -1,6 +1,6 @@
 use super::*;
 use crate::accel::AccelKind;
-use crate::backend::{Device, DeviceChoice};
+use crate::device::{Device, DeviceChoice};
 use crate::query::RayCaster;
 use crate::scene::Projection;
 

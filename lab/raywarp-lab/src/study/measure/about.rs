@@ -1,6 +1,6 @@
 //! The machine and the program.
 
-use raywarp::backend::{survey, Device, DeviceInfo};
+use raywarp::device::{survey, Device, DeviceInfo};
 
 use crate::study::findings::About;
 use raywarp_cli::bench::among;

@@ -1,7 +1,7 @@
 //! What the lanes of a warp do: followed on the CPU, whatever the device, and so the same everywhere.
 
 use raywarp::accel::{Accel, AccelKind};
-use raywarp::backend::{Device, DeviceChoice};
+use raywarp::device::{Device, DeviceChoice};
 use raywarp::render::{RenderOptions, Tracer};
 use raywarp_lab::clocks::follow;
 use raywarp_lab::lanes::{batch, frame, LaneSteps, Log, LoopForm, WARP};

@@ -10,7 +10,7 @@ mod scene;
 mod sharing;
 mod structures;
 
-use raywarp::backend::Device;
+use raywarp::device::Device;
 use raywarp_cli::bench::Spread;
 use raywarp_lab::structures::StructureKind;
 

@@ -1,7 +1,7 @@
 //! Where kernels run: one interface over the CPU and CUDA devices.
 //!
 //! A [`Device`] makes [`Buffer`]s, and [launches](Device::launch) kernels over a grid of threads. Everything above this
-//! module is written once for both.
+//! crate is written once for both. [`kernels`] is for crates that launch kernels of their own.
 
 mod buffer;
 mod choice;
@@ -9,6 +9,7 @@ mod cpu;
 mod cuda;
 mod error;
 mod kernel_info;
+pub mod kernels;
 mod launchable;
 mod module;
 mod pace;
@@ -23,11 +24,8 @@ pub use buffer::Buffer;
 pub use choice::{DeviceChoice, ParseDeviceError};
 pub use error::DeviceError;
 pub use kernel_info::KernelInfo;
-pub(crate) use launchable::Launchable;
 pub use module::Module;
-pub(crate) use pace::Pace;
 pub use staging::Staging;
-pub(crate) use stream::Launch;
 pub use stream::Stream;
 pub use survey::{survey, DeviceInfo, DriverInfo, PtxInfo, Survey};
 
@@ -60,8 +58,7 @@ impl Device {
         Self::open_with(choice, &[])
     }
 
-    /// The same with other kernels than raywarp's own: for structures and kernels of others, see
-    /// [`Resident`](crate::accel::Resident).
+    /// The same with other kernels than raywarp's own: for structures and kernels of other crates.
     ///
     /// # Errors
     /// As for [`open`](Self::open).
@@ -172,8 +169,11 @@ impl Device {
         }
     }
 
-    /// Refuses a buffer of another device.
-    pub(crate) fn check<T: Plain>(&self, buffer: &Buffer<T>, what: &'static str) -> Result<(), DeviceError> {
+    /// Refuses a buffer of another device; `what` says what is in it: "rays".
+    ///
+    /// # Errors
+    /// [`DeviceError::OtherDevice`].
+    pub fn check<T: Plain>(&self, buffer: &Buffer<T>, what: &'static str) -> Result<(), DeviceError> {
         if buffer.is_on(&self.machine) {
             return Ok(());
         }
@@ -181,7 +181,10 @@ impl Device {
     }
 
     /// Refuses a stream of another device.
-    pub(crate) fn check_stream(&self, stream: &Stream) -> Result<(), DeviceError> {
+    ///
+    /// # Errors
+    /// [`DeviceError::OtherDevice`].
+    pub fn check_stream(&self, stream: &Stream) -> Result<(), DeviceError> {
         if stream.is_on(&self.machine) {
             return Ok(());
         }

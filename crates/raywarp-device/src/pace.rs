@@ -9,11 +9,12 @@ const FIRST_ON_GPU: f64 = 4_194_304.0;
 
 /// Learns from each launch how large the next should be.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pace {
+pub struct Pace {
     items: f64,
 }
 
 impl Pace {
+    /// For the CPU or a GPU, of which nothing is known yet.
     pub fn new(gpu: bool) -> Self {
         Self { items: if gpu { FIRST_ON_GPU } else { FIRST_ON_CPU } }
     }

@@ -83,6 +83,16 @@ pub enum DeviceError {
         /// How many.
         len: usize,
     },
+    /// Items to be written beyond the end of a buffer.
+    #[error("{items} items cannot be written from item {first} on: the buffer holds {len}")]
+    Range {
+        /// Index of the first.
+        first: usize,
+        /// How many there are to write.
+        items: usize,
+        /// How many the buffer holds.
+        len: u32,
+    },
     /// A buffer or a stream that the device cannot use.
     #[error("the {what} belong to another device than {device}: make them with a handle of the device that uses them")]
     OtherDevice {

@@ -2,12 +2,12 @@
 //!
 //! `cargo xtask ptx` writes the files beside this one. A kernel without its file does not compile.
 
-use crate::backend::{Module, PtxInfo};
+use crate::{Module, PtxInfo};
 
 macro_rules! modules {
     ($($name:ident: $kernel:ty),* $(,)?) => {
         /// Every kernel of this crate.
-        pub(in crate::backend) const MODULES: &[Module] = &[$(Module {
+        pub(crate) const MODULES: &[Module] = &[$(Module {
             name: stringify!($name),
             source: include_str!(concat!(stringify!($name), ".ptx")),
         }),*];
@@ -17,7 +17,7 @@ macro_rules! modules {
 raywarp_core::for_each_kernel!(modules);
 
 /// What the head of a module says of all of them.
-pub(in crate::backend) fn info() -> PtxInfo {
+pub(crate) fn info() -> PtxInfo {
     let module = MODULES.first().map_or("", |module| module.source);
     let after = |start: &str| {
         let found = module.lines().take(5).find_map(|line| line.strip_prefix(start));

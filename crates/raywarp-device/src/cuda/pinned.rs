@@ -9,7 +9,7 @@ use raywarp_core::view::Plain;
 use super::{Cuda, DeviceError};
 
 /// Items in page-locked memory; freed when dropped.
-pub(in crate::backend) struct Pinned<T> {
+pub(crate) struct Pinned<T> {
     gpu: Cuda,
     address: *mut c_void,
     len: usize,

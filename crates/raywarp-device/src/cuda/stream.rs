@@ -11,7 +11,7 @@ use super::{driver_error, Cuda, DeviceError};
 const BLOCK: [u32; 2] = [8, 8];
 
 /// Threads of a block of a launch with a single row.
-pub(in crate::backend) const BLOCK_ROW: u32 = 128;
+pub(crate) const BLOCK_ROW: u32 = 128;
 
 /// A kernel's parameter block, passed by value.
 #[repr(transparent)]
@@ -22,7 +22,7 @@ unsafe impl<K: Kernel> DeviceRepr for Parameters<K> {}
 
 /// A queue of kernels beside the device's own stream.
 #[derive(Clone)]
-pub(in crate::backend) struct Stream {
+pub(crate) struct Stream {
     gpu: Cuda,
     stream: Arc<CudaStream>,
 }
@@ -51,7 +51,7 @@ impl Stream {
 /// Starts a kernel.
 ///
 /// # Safety
-/// As for [`Device::launch`](crate::backend::Device::launch), until the launch has been waited for.
+/// As for [`Device::launch`](crate::Device::launch), until the launch has been waited for.
 pub(super) unsafe fn launch<K: Kernel>(
     gpu: &Cuda,
     stream: &CudaStream,
@@ -85,7 +85,7 @@ pub(super) unsafe fn launch<K: Kernel>(
 /// of the time. Returns the seconds of each of the `repeats`.
 ///
 /// # Safety
-/// As for [`Device::launch`](crate::backend::Device::launch).
+/// As for [`Device::launch`](crate::Device::launch).
 pub(super) unsafe fn time<K: Kernel>(
     gpu: &Cuda,
     kernel: &K,
@@ -139,7 +139,8 @@ pub(super) fn configuration(extent: [u32; 2], block: Option<[u32; 2]>) -> Launch
 }
 
 /// A kernel under way: its start and its end. None for a launch without threads.
-pub(in crate::backend) struct CudaLaunch {
+#[derive(Debug)]
+pub(crate) struct CudaLaunch {
     gpu: Cuda,
     name: &'static str,
     events: Option<[CudaEvent; 2]>,

@@ -12,7 +12,7 @@ use super::{Cuda, DeviceError, Pinned};
 const PART: usize = 8 << 20;
 
 /// Bytes on the device that hold items of `T`.
-pub(in crate::backend) struct CudaBuffer<T> {
+pub(crate) struct CudaBuffer<T> {
     gpu: Cuda,
     bytes: CudaSlice<u8>,
     items: PhantomData<T>,

@@ -2,13 +2,17 @@
 
 use raywarp_core::kernels::Kernel;
 
-use super::{Device, DeviceError, KernelInfo, Launch, Stream};
+use super::stream::Launch;
+use super::{Device, DeviceError, KernelInfo, Stream};
 
 /// What can be done with a kernel whose type is not known where it is done: structures give such.
-pub(crate) trait Launchable {
+pub trait Launchable {
     /// See [`Device::launch`].
     ///
     /// # Safety
+    /// As there.
+    ///
+    /// # Errors
     /// As there.
     unsafe fn launch(&self, device: &Device, extent: [u32; 2]) -> Result<f64, DeviceError>;
 
@@ -16,15 +20,24 @@ pub(crate) trait Launchable {
     ///
     /// # Safety
     /// As there.
+    ///
+    /// # Errors
+    /// As there.
     unsafe fn launch_on(&self, stream: &Stream, extent: [u32; 2]) -> Result<Launch, DeviceError>;
 
     /// See [`Device::time`].
     ///
     /// # Safety
     /// As there.
+    ///
+    /// # Errors
+    /// As there.
     unsafe fn time(&self, device: &Device, extent: [u32; 2], times: [u32; 2]) -> Result<Vec<f64>, DeviceError>;
 
     /// See [`Device::kernel_info`].
+    ///
+    /// # Errors
+    /// As there.
     fn info(&self, device: &Device, extent: [u32; 2]) -> Result<Option<KernelInfo>, DeviceError>;
 }
 

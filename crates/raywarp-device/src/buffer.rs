@@ -21,7 +21,7 @@ enum Storage<T: Plain> {
 }
 
 impl<T: Plain> Buffer<T> {
-    pub(super) fn upload(machine: &Machine, items: &[T]) -> Result<Self, DeviceError> {
+    pub(crate) fn upload(machine: &Machine, items: &[T]) -> Result<Self, DeviceError> {
         let len = length(items.len())?;
         let storage = match machine {
             Machine::Cpu => Storage::Host(items.to_vec()),
@@ -30,7 +30,7 @@ impl<T: Plain> Buffer<T> {
         Ok(Self { storage, len })
     }
 
-    pub(super) fn zeroed(machine: &Machine, items: usize) -> Result<Self, DeviceError> {
+    pub(crate) fn zeroed(machine: &Machine, items: usize) -> Result<Self, DeviceError> {
         let len = length(items)?;
         let storage = match machine {
             // SAFETY: zeros are a `Plain` value.
@@ -70,8 +70,15 @@ impl<T: Plain> Buffer<T> {
         }
     }
 
-    /// Writes items from `first` on. They fit.
-    pub(crate) fn write(&mut self, first: usize, items: &[T]) -> Result<(), DeviceError> {
+    /// Writes items from `first` on.
+    ///
+    /// # Errors
+    /// [`DeviceError::Range`] where they do not fit, else where the device fails.
+    pub fn write(&mut self, first: usize, items: &[T]) -> Result<(), DeviceError> {
+        let fits = first.checked_add(items.len()).is_some_and(|end| end <= self.len as usize);
+        if !fits {
+            return Err(DeviceError::Range { first, items: items.len(), len: self.len });
+        }
         match &mut self.storage {
             Storage::Host(all) => {
                 all[first..first + items.len()].copy_from_slice(items);
@@ -82,7 +89,7 @@ impl<T: Plain> Buffer<T> {
     }
 
     /// The items, where they are on the host.
-    pub(super) fn host_items(&self) -> &[T] {
+    pub(crate) fn host_items(&self) -> &[T] {
         match &self.storage {
             Storage::Host(items) => items,
             Storage::Cuda(_) => &[],
@@ -90,7 +97,7 @@ impl<T: Plain> Buffer<T> {
     }
 
     /// The items, where they are on a CUDA device.
-    pub(super) fn on_cuda(&self) -> Option<&CudaBuffer<T>> {
+    pub(crate) fn on_cuda(&self) -> Option<&CudaBuffer<T>> {
         match &self.storage {
             Storage::Host(_) => None,
             Storage::Cuda(buffer) => Some(buffer),
@@ -98,7 +105,7 @@ impl<T: Plain> Buffer<T> {
     }
 
     /// Whether the items are in the memory of this device.
-    pub(super) fn is_on(&self, machine: &Machine) -> bool {
+    pub(crate) fn is_on(&self, machine: &Machine) -> bool {
         match (&self.storage, machine) {
             (Storage::Host(_), Machine::Cpu) => true,
             (Storage::Cuda(buffer), Machine::Cuda(gpu)) => buffer.is_on(gpu),
@@ -139,24 +146,18 @@ impl<T: Plain> Buffer<T> {
         }
     }
 
-    /// The items, for a kernel to read. It must not be launched after the buffer is gone.
-    pub(crate) fn view(&self) -> View<T> {
-        let address = match &self.storage {
-            _ if self.len == 0 => return View::EMPTY,
-            Storage::Host(items) => items.as_ptr(),
-            Storage::Cuda(buffer) => buffer.address() as *const T,
-        };
-        // SAFETY: the address and length are the buffer's own. That it outlives the launch is part of the contract of
-        // `Device::launch`, the only place where a view is followed.
-        unsafe { View::new(address, self.len) }
-    }
-
     /// The items, for a kernel that is launched by hand to read.
     ///
     /// # Safety
     /// Nothing reads them after the buffer is gone, while they are written, or on another machine than the buffer's.
     pub unsafe fn lend(&self) -> View<T> {
-        self.view()
+        let address = match &self.storage {
+            _ if self.len == 0 => return View::EMPTY,
+            Storage::Host(items) => items.as_ptr(),
+            Storage::Cuda(buffer) => buffer.address() as *const T,
+        };
+        // SAFETY: the address and length are the buffer's own, the rest is the caller's promise.
+        unsafe { View::new(address, self.len) }
     }
 
     /// The items, for a kernel that is launched by hand to write.
@@ -164,21 +165,31 @@ impl<T: Plain> Buffer<T> {
     /// # Safety
     /// As for [`lend`](Self::lend), and nothing else touches what is written.
     pub unsafe fn lend_mut(&mut self) -> ViewMut<T> {
-        self.view_mut()
-    }
-
-    /// The items, for a kernel to write.
-    pub(crate) fn view_mut(&mut self) -> ViewMut<T> {
         let address = match &mut self.storage {
             _ if self.len == 0 => return ViewMut::EMPTY,
             Storage::Host(items) => items.as_mut_ptr(),
             Storage::Cuda(buffer) => buffer.address() as *mut T,
         };
-        // SAFETY: as in `view`; exclusive through `&mut self`.
+        // SAFETY: as in `lend`; exclusive through `&mut self`.
         unsafe { ViewMut::new(address, self.len) }
     }
 }
 
 fn length(items: usize) -> Result<u32, DeviceError> {
     u32::try_from(items).map_err(|_| DeviceError::TooMany { len: items })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Device, DeviceChoice, DeviceError};
+
+    #[test]
+    fn items_are_written_where_they_fit() {
+        let mut buffer = Device::open(DeviceChoice::Cpu).unwrap().upload(&[1_u32, 2, 3]).unwrap();
+        buffer.write(1, &[5, 6]).unwrap();
+        assert_eq!(buffer.to_vec().unwrap(), [1, 5, 6]);
+        for (first, items) in [(2, [7, 8]), (usize::MAX, [7, 8])] {
+            assert!(matches!(buffer.write(first, &items), Err(DeviceError::Range { len: 3, .. })), "{first}");
+        }
+    }
 }

@@ -28,7 +28,7 @@ impl fmt::Debug for Stream {
 }
 
 impl Stream {
-    pub(super) fn new(machine: &Machine) -> Result<Self, DeviceError> {
+    pub(crate) fn new(machine: &Machine) -> Result<Self, DeviceError> {
         let queue = match machine {
             Machine::Cpu => Queue::Cpu,
             Machine::Cuda(gpu) => Queue::Cuda(cuda::Stream::new(gpu)?),
@@ -37,7 +37,7 @@ impl Stream {
     }
 
     /// Whether this is a queue of that device.
-    pub(super) fn is_on(&self, machine: &Machine) -> bool {
+    pub(crate) fn is_on(&self, machine: &Machine) -> bool {
         match (&self.queue, machine) {
             (Queue::Cpu, Machine::Cpu) => true,
             (Queue::Cuda(stream), Machine::Cuda(gpu)) => stream.gpu().is(gpu),
@@ -49,7 +49,10 @@ impl Stream {
     ///
     /// # Safety
     /// As for [`Device::launch`](super::Device::launch), until the launch has been waited for.
-    pub(crate) unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<Launch, DeviceError> {
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the launch fails.
+    pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<Launch, DeviceError> {
         Ok(match &self.queue {
             // SAFETY: the caller's promise.
             Queue::Cpu => Launch::done(unsafe { cpu::launch(kernel, extent, None) }),
@@ -60,8 +63,10 @@ impl Stream {
 }
 
 /// A kernel under way, or done.
-pub(crate) struct Launch(State);
+#[derive(Debug)]
+pub struct Launch(State);
 
+#[derive(Debug)]
 enum State {
     /// After so many seconds.
     Done(f64),
@@ -75,6 +80,9 @@ impl Launch {
     }
 
     /// Waits for the kernel; returns the seconds it took on the device.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the kernel failed.
     pub fn wait(&self) -> Result<f64, DeviceError> {
         match &self.0 {
             State::Done(seconds) => Ok(*seconds),

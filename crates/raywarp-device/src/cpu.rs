@@ -9,9 +9,9 @@ use raywarp_core::kernels::{Kernel, Thread};
 const TILE: [u32; 2] = [16, 8];
 
 /// Items of a batch that one task computes.
-pub(super) const BATCH: u32 = TILE[0] * TILE[1];
+pub(crate) const BATCH: u32 = TILE[0] * TILE[1];
 
-pub(super) fn description() -> String {
+pub(crate) fn description() -> String {
     match rayon::current_num_threads() {
         1 => "CPU, 1 thread".to_owned(),
         threads => format!("CPU, {threads} threads"),
@@ -19,7 +19,7 @@ pub(super) fn description() -> String {
 }
 
 /// Memory that can be had without swapping, where the system tells.
-pub(super) fn available_memory() -> Option<u64> {
+pub(crate) fn available_memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
     let kibibytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
@@ -27,7 +27,7 @@ pub(super) fn available_memory() -> Option<u64> {
 }
 
 /// Threads of a batch of which each thread of the CPU has one task.
-pub(super) fn resident_threads() -> u32 {
+pub(crate) fn resident_threads() -> u32 {
     rayon::current_num_threads() as u32 * BATCH
 }
 
@@ -35,7 +35,7 @@ pub(super) fn resident_threads() -> u32 {
 ///
 /// # Safety
 /// As for [`Device::launch`](super::Device::launch).
-pub(super) unsafe fn launch<K: Kernel>(kernel: &K, extent: [u32; 2], block: Option<[u32; 2]>) -> f64 {
+pub(crate) unsafe fn launch<K: Kernel>(kernel: &K, extent: [u32; 2], block: Option<[u32; 2]>) -> f64 {
     let start = Instant::now();
     // One row means a batch of items, cut into runs.
     let tile = match (extent[1], block) {
