@@ -36,6 +36,17 @@ pub struct Instance {
     pub unused: u32,
 }
 
+impl Instance {
+    /// Of vertices that are in world space already.
+    pub const IN_PLACE: Self = Self {
+        rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
+        first_primitive: 0,
+        material: MISS,
+        flags: IN_WORLD,
+        unused: 0,
+    };
+}
+
 /// Bit of [`Instance::flags`]: its vertices are in world space already.
 pub const IN_WORLD: u32 = 1;
 

@@ -101,9 +101,9 @@ impl<Q: Query> Persistent<Q> {
                     })
                     .map_or(f32::INFINITY, |hit| hit.t);
                 let first = leaf.map_or(0, Child::index);
-                share.collect(t, |t, nth| search.hit::<Q>(t, first + nth, |a, b| {
-                    triangles.load(a).precedes(&triangles.load(b))
-                }));
+                share.collect(t, |t, nth| {
+                    search.hit::<Q>(t, first + nth, |a, b| triangles.load(a).precedes(&triangles.load(b)))
+                });
                 search.after_leaf::<Q>(leaf, leaf.and_then(|leaf| share.rest(leaf)));
             }
         }

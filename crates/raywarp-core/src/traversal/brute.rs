@@ -1,6 +1,6 @@
 //! Every triangle, for every ray: the paper's first version, and the oracle of all others.
 
-use super::{Counter, Structure, WorldSpace, Visitor};
+use super::{Counter, Structure, Visitor, WorldSpace};
 use crate::ray::Ray;
 use crate::triangle::{RayShear, Triangle};
 use crate::view::View;

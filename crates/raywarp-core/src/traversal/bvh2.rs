@@ -1,7 +1,7 @@
 //! A binary bounding volume hierarchy with both child boxes in the parent (after Aila and Laine 2009).
 
 use super::binary::{walk, Boxes, Slab};
-use super::{Counter, Structure, WorldSpace, Visitor};
+use super::{Counter, Structure, Visitor, WorldSpace};
 use crate::arch::{self, Meeting};
 use crate::math::Vec3;
 use crate::ray::Ray;

@@ -3,7 +3,7 @@
 use super::binary::walk;
 use super::bvh2::{Bvh2, Full};
 use super::bvh2_quantized::QuantizedBvh2;
-use super::{Counter, Structure, WorldSpace, Visitor};
+use super::{Counter, Structure, Visitor, WorldSpace};
 use crate::arch;
 use crate::ray::Ray;
 

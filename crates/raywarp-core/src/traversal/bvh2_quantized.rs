@@ -6,7 +6,7 @@
 
 use super::binary::{meeting, walk, Boxes, Slab};
 use super::bvh2::Child;
-use super::{Counter, Structure, WorldSpace, Visitor};
+use super::{Counter, Structure, Visitor, WorldSpace};
 use crate::arch::{self, Meeting};
 use crate::math::Vec3;
 use crate::ray::Ray;

@@ -6,7 +6,7 @@
 use super::binary::SLACK;
 use super::bvh2::Child;
 use super::slabs::Slabs;
-use super::{Counter, Structure, WorldSpace, Visitor};
+use super::{Counter, Structure, Visitor, WorldSpace};
 use crate::arch;
 use crate::math::Vec3;
 use crate::packet::TrianglePacket;

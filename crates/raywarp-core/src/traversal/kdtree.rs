@@ -1,6 +1,6 @@
 //! A k-d tree in a flat array, traversed with a stack (the paper's structure).
 
-use super::{Counter, Structure, WorldSpace, Visitor};
+use super::{Counter, Structure, Visitor, WorldSpace};
 use crate::arch;
 use crate::math::Vec3;
 use crate::ray::Ray;

@@ -17,7 +17,7 @@
 
 use super::bvh2::{Child, Node, MAX_DEPTH, MAX_INDEX, MAX_LEAF};
 use super::slabs::{descend, Slabs};
-use super::{Counter, Structure, MeshSpace, Visitor};
+use super::{Counter, MeshSpace, Structure, Visitor};
 use crate::arch;
 use crate::math::{vec3, Vec3};
 use crate::ray::{Ray, MISS};

@@ -2,6 +2,7 @@
 
 use raywarp_core::math::Vec3;
 use raywarp_core::refit::{Refit, Reshape};
+use raywarp_core::surface;
 use raywarp_core::traversal::bvh2::Node;
 use raywarp_device::kernels::Views;
 
@@ -82,7 +83,7 @@ impl Tracer {
     }
 
     /// Moves an instance to where `instances`, the scene's own but for transforms, has it. Returns whether that is all:
-    /// `false` if a new tracer must be made, because the structure is not a `bvh2` or the instance is mirrored now.
+    /// `false` if a new tracer must be made, because the structure is not a `bvh2`.
     ///
     /// Boxes are refitted: the picture is that of a new tree, which is worth building once the instance rests.
     ///
@@ -90,31 +91,32 @@ impl Tracer {
     /// [`RenderError`] for an instance that the scene does not have, or where the device fails.
     pub fn move_instance(&mut self, scene: &Scene, instances: &[Instance], index: usize) -> Result<bool, RenderError> {
         let missing = || RenderError::Scene { mesh: format!("instance {index}"), part: "the index" };
-        let (instance, place) =
-            (instances.get(index).ok_or_else(missing)?, *self.places.get(index).ok_or_else(missing)?);
+        let instance = instances.get(index).ok_or_else(missing)?;
+        let vertices = self.vertices.get(index).ok_or_else(missing)?.clone();
         let mesh = flatten::check_instance(scene, instance)?;
-        if mesh.positions.len() != place.vertices {
+        if mesh.positions.len() != vertices.len() {
             return Err(RenderError::Scene { mesh: format!("instance {index}"), part: "the number of vertices" });
         }
         let Some(tree) = self.structure.resident_mut::<ResidentBvh2>() else { return Ok(false) };
-        if flatten::is_mirrored(instance) != place.mirrored {
-            return Ok(false);
-        }
         let mut flat = Flat::default();
         flat.place(mesh, instance);
-        self.scene.move_vertices(place.first_vertex, &flat)?;
+        self.scene.move_vertices(vertices.start, &flat)?;
+        let placed = &mut self.instances[index];
+        placed.flags = surface::IN_WORLD | flatten::handedness(instance);
+        self.scene.set_instance(index, *placed)?;
         // Rounding errors are bounded by the farthest box: a bound too large is safe.
         let far = |v: &Vec3| [v.x, v.y, v.z].map(|x| (x.abs() * (1.0 + 1e-6)).next_up());
         let reach = tree.reach.to_array();
         tree.reach = flat.positions.iter().map(far).fold(reach, |a, b| [0, 1, 2].map(|i| a[i].max(b[i]))).into();
-        self.reshape([place.first_primitive, place.first_primitive + mesh.triangles.len() as u32])
+        self.reshape([index as u32, index as u32 + 1])
     }
 
-    /// Brings the tree's triangles of some primitives up to date, and all boxes.
+    /// Brings the tree's triangles of some instances up to date, and all boxes.
     fn reshape(&mut self, moved: [u32; 2]) -> Result<bool, RenderError> {
         let Some(ResidentBvh2 { nodes, triangles, .. }) = self.structure.resident_mut() else { return Ok(false) };
         let flags = self.device.upload(&self.flags)?;
         let reshape = Reshape {
+            instances: self.scene.instances(),
             primitives: self.scene.primitives(),
             positions: self.scene.positions(),
             flags: flags.view(),

@@ -1,8 +1,10 @@
 //! All instances brought to world space, in arrays as the kernels read them.
 
+use std::ops::Range;
+
 use glam::{Mat3, Vec3};
 use raywarp_core::math;
-use raywarp_core::surface::Primitive;
+use raywarp_core::surface::{self, Primitive};
 use raywarp_core::triangle::{flags, Triangle};
 
 use super::RenderError;
@@ -20,18 +22,9 @@ pub(crate) struct Flat {
     pub tangents: Vec<[f32; 4]>,
     pub primitives: Vec<Primitive>,
     pub triangles: Vec<Triangle>,
+    pub instances: Vec<surface::Instance>,
     /// Of each instance.
-    pub places: Vec<Place>,
-}
-
-/// Where an instance is among the vertices and primitives.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
-    pub first_vertex: usize,
-    pub vertices: usize,
-    pub first_primitive: u32,
-    /// Its triangles turn round.
-    pub mirrored: bool,
+    pub vertices: Vec<Range<usize>>,
 }
 
 impl Flat {
@@ -62,13 +55,13 @@ impl Flat {
             let mesh = check_instance(scene, instance)?;
             check_mesh(scene, instance, mesh)?;
             let first = flat.positions.len() as u32;
-            flat.places.push(Place {
-                first_vertex: flat.positions.len(),
-                vertices: mesh.positions.len(),
+            flat.instances.push(surface::Instance {
                 first_primitive: flat.primitives.len() as u32,
-                mirrored: is_mirrored(instance),
+                flags: surface::IN_WORLD | handedness(instance),
+                ..surface::Instance::IN_PLACE
             });
             flat.place(mesh, instance);
+            flat.vertices.push(first as usize..flat.positions.len());
             pad(&mut flat.uvs, &mesh.uvs, mesh, with_uvs, [0.0; 2]);
             pad(&mut flat.second_uvs, &mesh.second_uvs, mesh, with_second_uvs, [0.0; 2]);
             pad(&mut flat.colors, &mesh.colors, mesh, with_colors, [1.0; 4]);
@@ -102,25 +95,26 @@ impl Flat {
     }
 
     fn add_triangles(&mut self, mesh: &Mesh, instance: &Instance, first: u32, triangle_flags: &[u32]) {
-        // A mirrored instance turns outside in, unless its triangles turn round too.
-        let mirrored = is_mirrored(instance);
+        let placed = self.instances.len() as u32 - 1;
         self.primitives.reserve(mesh.triangles.len());
         self.triangles.reserve(mesh.triangles.len());
-        for (&[a, b, c], &material) in mesh.triangles.iter().zip(&mesh.materials) {
-            let [b, c] = if mirrored { [c, b] } else { [b, c] };
-            let vertices = [first + a, first + b, first + c];
+        for ((corners, &material), primitive) in mesh.triangles.iter().zip(&mesh.materials).zip(0..) {
+            let vertices = corners.map(|vertex| first + vertex);
             let material = instance.material.unwrap_or(material);
-            let index = self.primitives.len() as u32;
             self.primitives.push(Primitive { vertices, material });
             let [v0, v1, v2] = vertices.map(|vertex| self.positions[vertex as usize]);
-            self.triangles.push(Triangle::new(v0, v1, v2, index, triangle_flags[material as usize]));
+            let flags = triangle_flags[material as usize];
+            self.triangles.push(Triangle { instance: placed, ..Triangle::new(v0, v1, v2, primitive, flags) });
         }
     }
 }
 
-/// Whether an instance's transform turns left into right.
-pub(super) fn is_mirrored(instance: &Instance) -> bool {
-    Mat3::from_cols_array_2d(&instance.transform.columns).determinant() < 0.0
+/// [`MIRRORED`](surface::MIRRORED) where an instance's transform turns left into right.
+pub(super) fn handedness(instance: &Instance) -> u32 {
+    match Mat3::from_cols_array_2d(&instance.transform.columns).determinant() < 0.0 {
+        true => surface::MIRRORED,
+        false => 0,
+    }
 }
 
 /// Rows of cross products: `det(m) * inverse(m)^T`.
@@ -223,8 +217,11 @@ mod tests {
     fn a_mirrored_instance_keeps_its_outside() {
         let flat = Flat::of(&scene(scaled(-1.0, 1.0, 1.0))).unwrap();
         let t = flat.triangles[0];
-        let outward = (t.v1 - t.v0).cross(t.v2 - t.v0).normalize();
-        assert_eq!(outward.to_array(), [0.0, 0.0, 1.0]);
+        let wound = (t.v1 - t.v0).cross(t.v2 - t.v0).normalize();
+        assert_eq!(
+            (wound.to_array(), flat.instances[0].flags & surface::MIRRORED),
+            ([0.0, 0.0, -1.0], surface::MIRRORED)
+        );
         assert_eq!(flat.normals[0].to_array(), [0.0, 0.0, 1.0]);
     }
 

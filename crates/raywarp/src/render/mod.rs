@@ -14,11 +14,13 @@ mod passes;
 mod resident;
 mod structure;
 
+use std::ops::Range;
 use std::time::Instant;
 
 use raywarp_core::film::Pixel;
 use raywarp_core::kernels::{FirstHit, Frame};
 use raywarp_core::shade::whitted::Limits;
+use raywarp_core::surface;
 use raywarp_core::traversal::Tests;
 use raywarp_core::view::ViewMut;
 use raywarp_device::kernels::Views;
@@ -31,7 +33,6 @@ use crate::Triangle;
 use bands::Bands;
 use changes::Levels;
 pub(crate) use flatten::Flat;
-use flatten::Place;
 use lighting::Lighting;
 use options::Window;
 use resident::ResidentScene;
@@ -57,8 +58,10 @@ pub struct Tracer {
     lighting: Lighting,
     camera: Camera,
     report: Report,
-    /// Where the instances are among vertices and primitives.
-    places: Vec<Place>,
+    /// Where the instances are.
+    instances: Vec<surface::Instance>,
+    /// Where their vertices are.
+    vertices: Vec<Range<usize>>,
     /// Of the triangles of each material.
     flags: Vec<u32>,
     /// Of the structure, once something has moved.
@@ -175,7 +178,8 @@ impl Tracer {
             lighting,
             camera,
             report,
-            places: flat.places,
+            instances: flat.instances,
+            vertices: flat.vertices,
             flags: scene.materials.iter().map(flags_of).collect(),
             levels: None,
         })

@@ -63,8 +63,8 @@ fn rays(triangles: &[Triangle], count: usize, odd: bool) -> Vec<Ray> {
     (0..count).map(ray).collect()
 }
 
-fn bits(hit: &Hit) -> [u32; 4] {
-    [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive]
+fn bits(hit: &Hit) -> [u32; 5] {
+    [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive, hit.instance]
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn world_space_gives_the_same_numbers() {
     let flat = RayCaster::new(triangles, AccelKind::Bvh, &device()).unwrap().hits(&rays).unwrap();
     let tree = two_level(&scene, Quality::default()).unwrap();
     let two = RayCaster::from_instanced(&tree, &device()).unwrap().hits(&rays).unwrap();
-    let same = flat.iter().zip(&two).filter(|(a, b)| a.primitive == b.primitive);
+    let same = flat.iter().zip(&two).filter(|(a, b)| (a.instance, a.primitive) == (b.instance, b.primitive));
     let (count, worst) = same.fold((0, 0.0f32), |(count, worst), (a, b)| {
         (count + 1, if a.is_miss() { worst } else { worst.max((a.t - b.t).abs() / a.t.max(1.0)) })
     });

@@ -3,12 +3,11 @@
 use std::time::Instant;
 
 use rayon::prelude::*;
-use raywarp_core::ray::MISS;
 use raywarp_core::traversal::bvh2::Child;
-use raywarp_core::traversal::two_level::{Instance, MIRRORED};
+use raywarp_core::traversal::two_level::Instance;
 use raywarp_core::triangle::{flags, Triangle};
 
-use super::bake::{bake, is_mirrored};
+use super::bake::bake;
 use super::join::{cover, Arrays};
 use super::place::Inverse;
 use super::{upper, InstancedStats, Placement, TwoLevel};
@@ -29,8 +28,7 @@ const ALL_FLAGS: u32 = flags::CUTOUT | flags::TRANSPARENT;
 /// undo. Placements of a mesh that has no triangle to hit are left out.
 ///
 /// # Errors
-/// A placement of a mesh that is not there, a primitive of 2^32 - 1 or more, or more triangles or instances than links
-/// can tell apart.
+/// A placement of a mesh that is not there, or more triangles or instances than links can tell apart.
 pub fn build(meshes: Vec<Vec<Triangle>>, placements: &[Placement], quality: Quality) -> Result<TwoLevel, BuildError> {
     let start = Instant::now();
     check(&meshes, placements)?;
@@ -102,18 +100,12 @@ enum Fate {
 }
 
 fn check(meshes: &[Vec<Triangle>], placements: &[Placement]) -> Result<(), BuildError> {
-    let last = |mesh: &Vec<Triangle>| mesh.iter().map(|triangle| triangle.primitive).max();
-    let last: Vec<Option<u32>> = meshes.par_iter().map(last).collect();
-    for (placement, p) in placements.iter().zip(0..) {
-        let Some(last) = last.get(placement.mesh) else {
-            return Err(BuildError::NoSuchMesh { placement: p, mesh: placement.mesh, count: meshes.len() });
-        };
-        let end = u64::from(placement.first_primitive) + last.map_or(0, |last| u64::from(last) + 1);
-        if end > u64::from(MISS) {
-            return Err(BuildError::TooManyPrimitives { has: end, limit: MISS });
+    match placements.iter().position(|placement| placement.mesh >= meshes.len()) {
+        Some(placement) => {
+            Err(BuildError::NoSuchMesh { placement, mesh: placements[placement].mesh, count: meshes.len() })
         }
+        None => Ok(()),
     }
-    Ok(())
 }
 
 fn decide(meshes: &[Mesh], placements: &[Placement]) -> Vec<Fate> {
@@ -185,12 +177,11 @@ struct Placed {
 
 impl Placed {
     fn add(&mut self, placement: &Placement, inverse: &Inverse, part: usize, cover: &[Bounds]) {
-        let mirrored = if is_mirrored(&placement.transform) { MIRRORED } else { 0 };
         self.instances.push(Instance {
             rows: inverse.rows,
-            first_primitive: placement.first_primitive,
+            index: placement.instance,
             keep: if placement.flags.is_some() { 0 } else { ALL_FLAGS },
-            flags: placement.flags.unwrap_or(0) & ALL_FLAGS | mirrored,
+            flags: placement.flags.unwrap_or(0) & ALL_FLAGS,
             ..Instance::IDENTITY
         });
         self.parts.push(part);

@@ -32,8 +32,8 @@ pub struct Placement {
     pub mesh: usize,
     /// Mesh space to world space.
     pub transform: Transform,
-    /// What its triangle 0 is called in the scene; the others follow. Below 2^32 - 1 for all of them.
-    pub first_primitive: u32,
+    /// Index of the instance in the scene, below 2^32 - 1.
+    pub instance: u32,
     /// [`raywarp_core::triangle::flags`] of every triangle, in place of the mesh's own.
     pub flags: Option<u32>,
 }
