@@ -1,6 +1,6 @@
 //! Every triangle, for every ray: the paper's first version, and the oracle of all others.
 
-use super::{Counter, Structure, Visitor, WorldSpace};
+use super::{Counter, MeshStructure, Structure, Visitor, WorldSpace};
 use crate::ray::Ray;
 use crate::triangle::{RayShear, Triangle};
 use crate::view::View;
@@ -26,5 +26,15 @@ impl Structure for Brute {
                 return;
             }
         }
+    }
+}
+
+impl MeshStructure for Brute {
+    /// First triangle, and how many.
+    type Part = [u32; 2];
+
+    #[inline(always)]
+    fn part(&self, &[first, len]: &[u32; 2]) -> Self {
+        Self { triangles: self.triangles.part(first, len) }
     }
 }

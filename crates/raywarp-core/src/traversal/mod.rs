@@ -11,6 +11,7 @@ pub mod bvh2;
 pub mod bvh2_dual;
 pub mod bvh2_quantized;
 pub mod bvh8f;
+pub mod instances;
 pub mod kdtree;
 pub mod query;
 mod slabs;
@@ -25,6 +26,7 @@ pub use bvh2::Bvh2;
 pub use bvh2_dual::DualBvh2;
 pub use bvh2_quantized::QuantizedBvh2;
 pub use bvh8f::Bvh8f;
+pub use instances::{Instances, MeshStructure};
 pub use kdtree::KdTree;
 pub use two_level::TwoLevel;
 

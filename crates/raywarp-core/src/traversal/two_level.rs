@@ -112,7 +112,7 @@ impl Structure for TwoLevel {
 /// Whether the ray is finite and leads anywhere. One that does not would be let into every box there is, and into those
 /// of a mesh again and again: with a thousand million triangles a single NaN would be a hang.
 #[inline(always)]
-fn may_hit(ray: &Ray) -> bool {
+pub(super) fn may_hit(ray: &Ray) -> bool {
     // NaN and infinity times zero are NaN.
     ray.origin.dot(Vec3::ZERO) + ray.direction.dot(Vec3::ZERO) == 0.0 && ray.direction.max_abs() >= f32::MIN_POSITIVE
 }
@@ -135,6 +135,11 @@ impl Instance {
         flags: BAKED,
     };
 
+    /// Whether its triangles are in world space, and say of which instance they are.
+    pub fn is_baked(&self) -> bool {
+        self.flags & BAKED != 0
+    }
+
     /// A ray of the world in the space of the mesh.
     #[inline(always)]
     pub fn bring(&self, world: &Ray) -> Ray {
@@ -148,7 +153,7 @@ impl Instance {
 
 /// Where a ray is, and what that means for a triangle.
 #[derive(Clone, Copy)]
-struct Place {
+pub(super) struct Place {
     /// Of the instance; [`MISS`] in the world.
     index: u32,
     keep: u32,
@@ -159,7 +164,7 @@ impl Place {
     const WORLD: Self = Self { index: MISS, keep: 0, flags: 0 };
 
     #[inline(always)]
-    fn of(instance: &Instance) -> Self {
+    pub fn of(instance: &Instance) -> Self {
         Self { index: instance.index, keep: instance.keep, flags: instance.flags }
     }
 
@@ -170,7 +175,7 @@ impl Place {
 
     /// A triangle of the mesh as one of the scene.
     #[inline(always)]
-    fn put(&self, triangle: Triangle) -> Triangle {
+    pub fn put(&self, triangle: Triangle) -> Triangle {
         Triangle {
             flags: triangle.flags & self.keep | self.flags & !BAKED,
             instance: if self.flags & BAKED != 0 { triangle.instance } else { self.index },

@@ -18,7 +18,6 @@ mod hit_buffers;
 mod hits;
 pub(crate) mod kernels;
 mod launch;
-mod levels;
 mod ray_kind;
 mod timed;
 mod workload;
@@ -31,10 +30,11 @@ use crate::accel::{
     cache, check_device, drop_degenerate, Accel, Build, Dropped, Resident, ResidentTwoLevel, TreeStats,
 };
 use crate::device::Device;
-use crate::render::{upload, Flat};
+use crate::render::{upload, upload_instances, Flat};
 use crate::scene::Scene;
 use crate::{Hit, Ray, Triangle};
 
+pub use crate::render::{two_level, Levels};
 pub use batch::{Batch, Progress};
 pub use coherence::Coherence;
 pub use cost::{sampled, tests, Cost};
@@ -43,7 +43,6 @@ pub use geometry::{intersect, world_triangle};
 pub use hit_buffers::HitBuffers;
 pub use hits::{AllHits, Hits};
 use kernels::QueryKernels;
-pub use levels::{two_level, Levels};
 pub use ray_kind::{RayKind, UnknownRayKind};
 pub use raywarp_core::traversal::Tests;
 pub use timed::{Answers, Timed};
@@ -137,7 +136,7 @@ impl RayCaster {
         let start = Instant::now();
         let tree = two_level(scene, what.quality)?;
         let build_seconds = start.elapsed().as_secs_f64();
-        let structure = Box::new(ResidentTwoLevel::upload(device, &tree)?);
+        let structure = upload_instances(device, what.kind, &tree)?;
         let report = Report { build_seconds, ..Report::of_instanced(&tree) };
         Ok(Self::sharing(Shared { device: device.clone(), structure, report }))
     }
@@ -186,6 +185,16 @@ impl RayCaster {
         let report = Report { triangles: stats.references - stats.duplicates, tree: stats, ..Report::default() };
         let structure = Box::new(resident);
         Self::sharing(Shared { device: device.clone(), structure, report })
+    }
+
+    /// Copies a structure of two levels to a device.
+    ///
+    /// # Errors
+    /// The device has no room.
+    pub fn from_instanced(tree: &TwoLevel, device: &Device) -> Result<Self, QueryError> {
+        let structure = Box::new(ResidentTwoLevel::upload(device, tree)?);
+        let report = Report::of_instanced(tree);
+        Ok(Self::sharing(Shared { device: device.clone(), structure, report }))
     }
 
     fn sharing(shared: Shared) -> Self {

@@ -12,7 +12,7 @@ use raywarp_lab::structures::{kdtree_sah, trail};
 
 /// All hits of a ray.
 #[derive(Default)]
-struct List(Vec<[u32; 4]>);
+struct List(Vec<[u32; 5]>);
 
 impl Keep for List {
     fn keep(&mut self, _: u32, hit: &Hit) {

@@ -30,16 +30,63 @@ const ALL_FLAGS: u32 = flags::CUTOUT | flags::TRANSPARENT;
 /// # Errors
 /// A placement of a mesh that is not there, or more triangles or instances than links can tell apart.
 pub fn build(meshes: Vec<Vec<Triangle>>, placements: &[Placement], quality: Quality) -> Result<TwoLevel, BuildError> {
-    let start = Instant::now();
-    check(&meshes, placements)?;
-    let mut meshes: Vec<Mesh> = meshes.into_par_iter().map(Mesh::new).collect();
-    let fates = decide(&meshes, placements);
-    let (baked, baked_dropped) = bake_all(&meshes, placements, &fates);
-    let mut stats = count(&meshes, placements, &fates, baked_dropped);
+    Plan::new(meshes, placements.to_vec())?.build(quality)
+}
+
+/// What is built, and what becomes of each placement: a function of what is placed, and of nothing else.
+pub struct Plan {
+    meshes: Vec<Mesh>,
+    placements: Vec<Placement>,
+    fates: Vec<Fate>,
+    start: Instant,
+}
+
+impl Plan {
+    /// Of meshes and where they are placed.
+    ///
+    /// # Errors
+    /// A placement of a mesh that is not there.
+    pub fn new(meshes: Vec<Vec<Triangle>>, placements: Vec<Placement>) -> Result<Self, BuildError> {
+        let start = Instant::now();
+        check(&meshes, &placements)?;
+        let meshes: Vec<Mesh> = meshes.into_par_iter().map(Mesh::new).collect();
+        let fates = decide(&meshes, &placements);
+        Ok(Self { meshes, placements, fates, start })
+    }
+
+    /// Whether a placement is an instance of a mesh that stays in a space of its own, and not baked.
+    pub fn is_shared(&self, placement: usize) -> bool {
+        self.fates[placement] == Fate::Shared
+    }
+
+    /// How many there are.
+    pub(crate) fn placements(&self) -> usize {
+        self.placements.len()
+    }
+
+    /// Builds the trees.
+    ///
+    /// # Errors
+    /// More triangles or instances than links can tell apart.
+    pub fn build(self, quality: Quality) -> Result<TwoLevel, BuildError> {
+        let Self { meshes, placements, fates, start } = self;
+        grow(meshes, &placements, &fates, quality, start)
+    }
+}
+
+fn grow(
+    mut meshes: Vec<Mesh>,
+    placements: &[Placement],
+    fates: &[Fate],
+    quality: Quality,
+    start: Instant,
+) -> Result<TwoLevel, BuildError> {
+    let (baked, baked_dropped) = bake_all(&meshes, placements, fates);
+    let mut stats = count(&meshes, placements, fates, baked_dropped);
 
     // Each tree with the boxes that instances turn; the baked one's is the first.
     let mut trees: Vec<Bvh2> = if baked.is_empty() { Vec::new() } else { vec![tree(baked, quality)?] };
-    let (first, shared) = (trees.len(), number(&fates, placements, meshes.len()));
+    let (first, shared) = (trees.len(), number(fates, placements, meshes.len()));
     let ordered: Vec<Vec<Triangle>> = shared.iter().map(|&mesh| std::mem::take(&mut meshes[mesh].triangles)).collect();
     trees.extend(ordered.into_par_iter().map(|mesh| tree(mesh, quality)).collect::<Result<Vec<_>, _>>()?);
     let covers: Vec<Vec<Bounds>> = trees.par_iter().map(|tree| cover(&tree.nodes, Child::node(0))).collect();
@@ -50,7 +97,7 @@ pub fn build(meshes: Vec<Vec<Triangle>>, placements: &[Placement], quality: Qual
     }
     let mut part_of = vec![0; meshes.len()];
     shared.iter().zip(first..).for_each(|(&mesh, part)| part_of[mesh] = part);
-    for (placement, fate) in placements.iter().zip(&fates) {
+    for (placement, fate) in placements.iter().zip(fates) {
         let inverse = (*fate == Fate::Shared).then(|| Inverse::of(&placement.transform)).flatten();
         if let Some(inverse) = inverse {
             let part = part_of[placement.mesh];

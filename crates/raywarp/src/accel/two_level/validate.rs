@@ -17,7 +17,7 @@ impl TwoLevel {
     /// # Errors
     /// The first flaw found.
     pub fn validate(&self) -> Result<(), Invalid> {
-        let upper = self.parts.first().map_or(0, |part| part.node as usize);
+        let upper = self.upper_nodes();
         if upper == 0 || upper > self.nodes.len() {
             return Err(Invalid::NoRoot);
         }

@@ -1,11 +1,9 @@
 //! Whether a scene's meshes are placed by instances of a structure, or brought to world space one by one.
 
-use super::{QueryError, RayCaster, Report, Shared};
-use crate::accel::two_level::{self, Placement, TwoLevel};
-use crate::accel::{Quality, ResidentTwoLevel};
-use crate::device::Device;
-use crate::render::{check_instance, check_mesh, flags_of, RenderError};
-use crate::scene::{Mesh, Scene};
+use super::{check_instance, check_mesh, flags_of, RenderError};
+use crate::accel::two_level::{Placement, Plan, TwoLevel};
+use crate::accel::Quality;
+use crate::scene::{Instance, Material, Mesh, Scene};
 use crate::Triangle;
 
 /// One structure over all triangles of the world, or one for each mesh under one of the instances.
@@ -50,10 +48,18 @@ impl Levels {
 /// # Errors
 /// [`RenderError::Scene`] for an index out of range.
 pub fn two_level(scene: &Scene, quality: Quality) -> Result<TwoLevel, RenderError> {
-    let flags: Vec<u32> = scene.materials.iter().map(flags_of).collect();
-    let mut placements = Vec::with_capacity(scene.instances.len());
+    Ok(plan(scene, &scene.instances, &scene.materials)?.build(quality)?)
+}
+
+/// What that is, with these instances and materials instead of the scene's own, and which of them it bakes.
+///
+/// # Errors
+/// As for [`two_level`].
+pub(crate) fn plan(scene: &Scene, instances: &[Instance], materials: &[Material]) -> Result<Plan, RenderError> {
+    let flags: Vec<u32> = materials.iter().map(flags_of).collect();
+    let mut placements = Vec::with_capacity(instances.len());
     let mut placed = vec![false; scene.meshes.len()];
-    for (instance, index) in scene.instances.iter().zip(0..) {
+    for (instance, index) in instances.iter().zip(0..) {
         let mesh = check_instance(scene, instance)?;
         if !std::mem::replace(&mut placed[instance.mesh], true) {
             check_mesh(scene, instance, mesh)?;
@@ -66,7 +72,7 @@ pub fn two_level(scene: &Scene, quality: Quality) -> Result<TwoLevel, RenderErro
         });
     }
     let mesh = |(mesh, &placed): (&Mesh, &bool)| if placed { triangles(mesh, &flags) } else { Vec::new() };
-    Ok(two_level::build(scene.meshes.iter().zip(&placed).map(mesh).collect(), &placements, quality)?)
+    Ok(Plan::new(scene.meshes.iter().zip(&placed).map(mesh).collect(), placements)?)
 }
 
 /// In the space of the mesh, whose indices were checked.
@@ -78,23 +84,12 @@ fn triangles(mesh: &Mesh, flags: &[u32]) -> Vec<Triangle> {
     mesh.triangles.iter().zip(&mesh.materials).zip(0..).map(triangle).collect()
 }
 
-impl RayCaster {
-    /// Copies a structure of two levels to a device.
-    ///
-    /// # Errors
-    /// The device has no room.
-    pub fn from_instanced(tree: &TwoLevel, device: &Device) -> Result<Self, QueryError> {
-        let structure = Box::new(ResidentTwoLevel::upload(device, tree)?);
-        let report = Report::of_instanced(tree);
-        Ok(Self::sharing(Shared { device: device.clone(), structure, report }))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::DeviceChoice;
-    use crate::scene::{Instance, Material, Transform};
+    use crate::device::{Device, DeviceChoice};
+    use crate::query::RayCaster;
+    use crate::scene::Transform;
     use crate::{Ray, Vec3};
 
     /// Level strips of `triangles` triangles side by side, each a step higher than the one before.
