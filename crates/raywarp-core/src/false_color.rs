@@ -28,6 +28,12 @@ pub fn albedo(color: Vec3) -> [u8; 3] {
     [srgb_byte(color.x), srgb_byte(color.y), srgb_byte(color.z)]
 }
 
+/// A colour for a triangle of an instance.
+#[inline(always)]
+pub fn triangle(instance: u32, primitive: u32) -> [u8; 3] {
+    index(primitive ^ instance.rotate_right(8))
+}
+
 /// A colour that neighbouring indices do not share, never near black.
 #[inline(always)]
 pub fn index(index: u32) -> [u8; 3] {

@@ -7,7 +7,7 @@ use crate::camera::{pixel_centre, Camera};
 use crate::film::Pixel;
 use crate::math::Vec3;
 use crate::name::Name;
-use crate::ray::{Hit, Ray};
+use crate::ray::{Hit, HitArrays, Ray};
 use crate::sample::{combine, stratified};
 use crate::shade::whitted::{trace, visible, Limits};
 use crate::surface::Scene;
@@ -138,7 +138,7 @@ pub struct FirstHit {
     pub depth: f32,
     /// Texture coordinates.
     pub uv: [f32; 2],
-    /// Index of the triangle, [`MISS`](crate::ray::MISS) for none.
+    /// Index of the triangle in its mesh, [`MISS`](crate::ray::MISS) for none.
     pub primitive: u32,
     /// Unit shading normal, on the side that is seen.
     pub normal: Vec3,
@@ -146,8 +146,8 @@ pub struct FirstHit {
     pub material: u32,
     /// Diffuse colour with textures.
     pub albedo: Vec3,
-    /// Makes 16 bytes.
-    pub unused: f32,
+    /// Index of the instance, [`MISS`](crate::ray::MISS) for none.
+    pub instance: u32,
     /// World position.
     pub position: Vec3,
     /// Coverage of the surface, 0 for a miss.
@@ -163,7 +163,7 @@ impl FirstHit {
         normal: Vec3::ZERO,
         material: crate::ray::MISS,
         albedo: Vec3::ZERO,
-        unused: 0.0,
+        instance: crate::ray::MISS,
         position: Vec3::ZERO,
         coverage: 0.0,
     };
@@ -199,9 +199,9 @@ impl<S: Structure> FirstHits<S> {
         if hit.is_miss() {
             return FirstHit::NONE;
         }
-        let index = self.scene.primitives.load(hit.primitive).material;
+        let index = self.scene.material_index::<S::Space>(hit);
         let material = self.scene.materials.item(index);
-        let surface = self.scene.surface(ray, hit, material);
+        let surface = self.scene.surface::<S::Space>(ray, hit, material);
         FirstHit {
             depth: hit.t,
             uv: surface.uv,
@@ -209,7 +209,7 @@ impl<S: Structure> FirstHits<S> {
             normal: surface.normal,
             material: index,
             albedo: material.diffuse * surface.tint,
-            unused: 0.0,
+            instance: hit.instance,
             position: surface.point,
             coverage: surface.coverage,
         }
@@ -236,7 +236,7 @@ pub struct Closest<S> {
     /// The batch.
     pub rays: View<Ray>,
     /// One a ray, written.
-    pub hits: ViewMut<Hit>,
+    pub hits: HitArrays,
 }
 
 impl<S: Structure> Closest<S> {
@@ -245,7 +245,7 @@ impl<S: Structure> Closest<S> {
         if let Some(ray) = ray_of(&self.rays, thread) {
             let hit = query::<ClosestHit>(&self.structure, &ray);
             // SAFETY: one thread a ray.
-            unsafe { self.hits.set(thread.x, hit) };
+            unsafe { self.hits.set(thread.x, &hit) };
         }
     }
 }
@@ -320,7 +320,7 @@ pub struct All<S> {
     /// One a ray, written.
     pub counts: ViewMut<u32>,
     /// Written; what a ray does not fill stays as it was.
-    pub hits: ViewMut<Hit>,
+    pub hits: HitArrays,
 }
 
 impl<S: Structure> All<S> {
@@ -348,7 +348,7 @@ impl<S: Structure> All<S> {
 
 /// Room for the hits of one ray.
 struct Row {
-    hits: ViewMut<Hit>,
+    hits: HitArrays,
     first: u32,
 }
 
@@ -356,7 +356,7 @@ impl Keep for Row {
     #[inline(always)]
     fn keep(&mut self, index: u32, hit: &Hit) {
         // SAFETY: whoever launches gives each ray a place of its own, at least as long as `index` becomes.
-        unsafe { self.hits.set(self.first + index, *hit) };
+        unsafe { self.hits.set(self.first + index, hit) };
     }
 }
 
@@ -397,37 +397,40 @@ macro_rules! for_each_kernel {
     ($use:ident) => {
         $crate::for_each_other_kernel! {
             $use,
-            whitted_brute: $crate::kernels::Whitted<$crate::traversal::Brute, $crate::traversal::NullStatistics>,
-            whitted_kd: $crate::kernels::Whitted<$crate::traversal::KdTree, $crate::traversal::NullStatistics>,
+            whitted_brute: $crate::kernels::Whitted<$crate::traversal::Instances<$crate::traversal::Brute>, $crate::traversal::NullStatistics>,
+            whitted_kd: $crate::kernels::Whitted<$crate::traversal::Instances<$crate::traversal::KdTree>, $crate::traversal::NullStatistics>,
             whitted_bvh2: $crate::kernels::Whitted<$crate::traversal::Bvh2, $crate::traversal::NullStatistics>,
             whitted_bvh2c: $crate::kernels::Whitted<$crate::traversal::QuantizedBvh2, $crate::traversal::NullStatistics>,
-            whitted_brute_counted: $crate::kernels::Whitted<$crate::traversal::Brute, $crate::traversal::Tests>,
-            whitted_kd_counted: $crate::kernels::Whitted<$crate::traversal::KdTree, $crate::traversal::Tests>,
+            whitted_brute_counted: $crate::kernels::Whitted<$crate::traversal::Instances<$crate::traversal::Brute>, $crate::traversal::Tests>,
+            whitted_kd_counted: $crate::kernels::Whitted<$crate::traversal::Instances<$crate::traversal::KdTree>, $crate::traversal::Tests>,
             whitted_bvh2_counted: $crate::kernels::Whitted<$crate::traversal::Bvh2, $crate::traversal::Tests>,
             whitted_bvh2c_counted: $crate::kernels::Whitted<$crate::traversal::QuantizedBvh2, $crate::traversal::Tests>,
-            first_hits_brute: $crate::kernels::FirstHits<$crate::traversal::Brute>,
-            first_hits_kd: $crate::kernels::FirstHits<$crate::traversal::KdTree>,
+            whitted_two_level: $crate::kernels::Whitted<$crate::traversal::TwoLevel, $crate::traversal::NullStatistics>,
+            whitted_two_level_counted: $crate::kernels::Whitted<$crate::traversal::TwoLevel, $crate::traversal::Tests>,
+            first_hits_brute: $crate::kernels::FirstHits<$crate::traversal::Instances<$crate::traversal::Brute>>,
+            first_hits_kd: $crate::kernels::FirstHits<$crate::traversal::Instances<$crate::traversal::KdTree>>,
             first_hits_bvh2: $crate::kernels::FirstHits<$crate::traversal::Bvh2>,
             first_hits_bvh2c: $crate::kernels::FirstHits<$crate::traversal::QuantizedBvh2>,
-            closest_brute: $crate::kernels::Closest<$crate::traversal::Brute>,
-            closest_kd: $crate::kernels::Closest<$crate::traversal::KdTree>,
+            first_hits_two_level: $crate::kernels::FirstHits<$crate::traversal::TwoLevel>,
+            closest_brute: $crate::kernels::Closest<$crate::traversal::Instances<$crate::traversal::Brute>>,
+            closest_kd: $crate::kernels::Closest<$crate::traversal::Instances<$crate::traversal::KdTree>>,
             closest_bvh2: $crate::kernels::Closest<$crate::traversal::Bvh2>,
             closest_bvh2c: $crate::kernels::Closest<$crate::traversal::QuantizedBvh2>,
             closest_two_level: $crate::kernels::Closest<$crate::traversal::TwoLevel>,
             closest_bvh: $crate::kernels::Closest<$crate::traversal::DualBvh2>,
-            occluded_brute: $crate::kernels::Occluded<$crate::traversal::Brute>,
-            occluded_kd: $crate::kernels::Occluded<$crate::traversal::KdTree>,
+            occluded_brute: $crate::kernels::Occluded<$crate::traversal::Instances<$crate::traversal::Brute>>,
+            occluded_kd: $crate::kernels::Occluded<$crate::traversal::Instances<$crate::traversal::KdTree>>,
             occluded_bvh2: $crate::kernels::Occluded<$crate::traversal::Bvh2>,
             occluded_bvh2c: $crate::kernels::Occluded<$crate::traversal::QuantizedBvh2>,
             occluded_two_level: $crate::kernels::Occluded<$crate::traversal::TwoLevel>,
             occluded_bvh: $crate::kernels::Occluded<$crate::traversal::DualBvh2>,
-            count_brute: $crate::kernels::Count<$crate::traversal::Brute>,
-            count_kd: $crate::kernels::Count<$crate::traversal::KdTree>,
+            count_brute: $crate::kernels::Count<$crate::traversal::Instances<$crate::traversal::Brute>>,
+            count_kd: $crate::kernels::Count<$crate::traversal::Instances<$crate::traversal::KdTree>>,
             count_bvh2: $crate::kernels::Count<$crate::traversal::Bvh2>,
             count_bvh2c: $crate::kernels::Count<$crate::traversal::QuantizedBvh2>,
             count_two_level: $crate::kernels::Count<$crate::traversal::TwoLevel>,
-            all_brute: $crate::kernels::All<$crate::traversal::Brute>,
-            all_kd: $crate::kernels::All<$crate::traversal::KdTree>,
+            all_brute: $crate::kernels::All<$crate::traversal::Instances<$crate::traversal::Brute>>,
+            all_kd: $crate::kernels::All<$crate::traversal::Instances<$crate::traversal::KdTree>>,
             all_bvh2: $crate::kernels::All<$crate::traversal::Bvh2>,
             all_bvh2c: $crate::kernels::All<$crate::traversal::QuantizedBvh2>,
             all_two_level: $crate::kernels::All<$crate::traversal::TwoLevel>,

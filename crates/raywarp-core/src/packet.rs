@@ -14,22 +14,22 @@ pub struct TrianglePacket {
     pub primitive: [u32; 4],
     /// See [`flags`](crate::triangle::flags).
     pub flags: [u32; 4],
-    /// See [`Triangle::extent`].
-    pub extent: [f32; 4],
+    /// See [`Triangle::instance`].
+    pub instance: [u32; 4],
 }
 
 impl TrianglePacket {
     /// Of up to four triangles. Places that are left have points of primitive [`MISS`](crate::ray::MISS).
     pub fn new(triangles: &[Triangle]) -> Self {
         let mut packet =
-            Self { corners: [[[0.0; 4]; 3]; 3], primitive: [crate::ray::MISS; 4], flags: [0; 4], extent: [0.0; 4] };
+            Self { corners: [[[0.0; 4]; 3]; 3], primitive: [crate::ray::MISS; 4], flags: [0; 4], instance: [0; 4] };
         for (lane, triangle) in triangles.iter().take(4).enumerate() {
             for (corner, vertex) in [triangle.v0, triangle.v1, triangle.v2].into_iter().enumerate() {
                 (0..3).for_each(|axis| packet.corners[corner][axis][lane] = vertex.to_array()[axis]);
             }
             packet.primitive[lane] = triangle.primitive;
             packet.flags[lane] = triangle.flags;
-            packet.extent[lane] = triangle.extent;
+            packet.instance[lane] = triangle.instance;
         }
         packet
     }
@@ -46,7 +46,7 @@ impl TrianglePacket {
             v2: corner(v2),
             primitive: self.primitive[lane],
             flags: self.flags[lane],
-            extent: self.extent[lane],
+            instance: self.instance[lane],
         }
     }
 

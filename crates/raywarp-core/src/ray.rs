@@ -2,8 +2,9 @@
 
 use crate::arch;
 use crate::math::{vec3, Vec3};
+use crate::view::ViewMut;
 
-/// The `primitive` of a miss.
+/// The `primitive` and `instance` of a miss.
 pub const MISS: u32 = u32::MAX;
 
 /// A half-line, or a piece of it: `origin + t direction` for `t_min <= t <= t_max`.
@@ -85,8 +86,7 @@ fn finite_inverse(x: f32, smallest: f32) -> f32 {
     arch::reciprocal(if x.abs() < smallest { smallest.copysign(x) } else { x })
 }
 
-/// Where a ray meets a triangle. A miss has `t = inf` and `primitive = `[`MISS`].
-#[repr(C, align(16))]
+/// Where a ray meets a triangle. A miss has `t = inf` and `primitive = instance = `[`MISS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance in units of the ray's direction.
@@ -95,13 +95,15 @@ pub struct Hit {
     pub u: f32,
     /// Barycentric weight of vertex 2; vertex 0 weighs `1 - u - v`.
     pub v: f32,
-    /// Index of the triangle in the scene.
+    /// Index of the triangle in its mesh.
     pub primitive: u32,
+    /// Index of the instance in the scene.
+    pub instance: u32,
 }
 
 impl Hit {
     /// Nothing was hit.
-    pub const NONE: Self = Self { t: f32::INFINITY, u: 0.0, v: 0.0, primitive: MISS };
+    pub const NONE: Self = Self { t: f32::INFINITY, u: 0.0, v: 0.0, primitive: MISS, instance: MISS };
 
     /// Whether nothing was hit.
     #[inline(always)]
@@ -109,10 +111,64 @@ impl Hit {
         self.primitive == MISS
     }
 
-    /// Whether this comes before `other` along the ray. Of two at the same `t` the smaller primitive is first, so
-    /// that every structure and machine picks the same.
+    /// Whether this comes before `other` along the ray. Of two at the same `t` that of the smaller instance is first,
+    /// and within an instance that of the smaller primitive, so that every structure and machine picks the same.
     #[inline(always)]
     pub fn precedes(&self, other: &Hit) -> bool {
-        self.t < other.t || (self.t == other.t && self.primitive < other.primitive)
+        self.t < other.t || (self.t == other.t && self.id() < other.id())
+    }
+
+    /// What tells the triangle from all others of the scene.
+    #[inline(always)]
+    pub(crate) fn id(&self) -> (u32, u32) {
+        (self.instance, self.primitive)
+    }
+}
+
+/// Where the hits of a batch of rays go: four words and one, so that neighbours are written side by side.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct HitArrays {
+    /// All but the instance, one a hit.
+    pub hits: ViewMut<MeshHit>,
+    /// The instance, one a hit; empty where nobody wants to know.
+    pub instances: ViewMut<u32>,
+}
+
+/// A [`Hit`] without its instance.
+#[repr(C, align(16))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshHit {
+    /// As of the hit.
+    pub t: f32,
+    /// As of the hit.
+    pub u: f32,
+    /// As of the hit.
+    pub v: f32,
+    /// As of the hit.
+    pub primitive: u32,
+}
+
+impl MeshHit {
+    /// The hit, of an instance.
+    pub fn of_instance(self, instance: u32) -> Hit {
+        let Self { t, u, v, primitive } = self;
+        Hit { t, u, v, primitive, instance }
+    }
+}
+
+impl HitArrays {
+    /// Writes a hit.
+    ///
+    /// # Safety
+    /// No other thread has this index.
+    #[inline(always)]
+    pub unsafe fn set(&self, index: u32, hit: &Hit) {
+        let &Hit { t, u, v, primitive, instance } = hit;
+        // SAFETY: the caller's promise.
+        unsafe {
+            self.hits.set(index, MeshHit { t, u, v, primitive });
+            self.instances.set(index, instance);
+        }
     }
 }

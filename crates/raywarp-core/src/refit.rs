@@ -3,22 +3,24 @@
 
 use crate::kernels::Thread;
 use crate::math::Vec3;
-use crate::surface::Primitive;
+use crate::surface::{Instance, Primitive};
 use crate::traversal::bvh2::Node;
 use crate::triangle::Triangle;
 use crate::view::{View, ViewMut};
 
-/// Gives triangles of some primitives the corners and flags that these have now, one thread a triangle of the tree.
+/// Gives triangles of some instances the corners and flags that these have now, one thread a triangle of the tree.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Reshape {
+    /// Of the scene.
+    pub instances: View<Instance>,
     /// Of the scene.
     pub primitives: View<Primitive>,
     /// Of the scene, in world space.
     pub positions: View<Vec3>,
     /// Of the triangles of each material.
     pub flags: View<u32>,
-    /// The first primitive that changed, and the one after the last.
+    /// The first instance that changed, and the one after the last.
     pub moved: [u32; 2],
     /// Of the tree, read and written.
     pub triangles: ViewMut<Triangle>,
@@ -29,14 +31,15 @@ impl Reshape {
     pub(crate) fn run(&self, thread: Thread) {
         // SAFETY: one thread a triangle.
         let Some(old) = (unsafe { self.triangles.get(thread.x) }) else { return };
-        if old.primitive < self.moved[0] || old.primitive >= self.moved[1] {
+        if old.instance < self.moved[0] || old.instance >= self.moved[1] {
             return;
         }
-        let primitive = self.primitives.load(old.primitive);
+        let first = self.instances.item(old.instance).first_primitive;
+        let primitive = self.primitives.load(first + old.primitive);
         let [v0, v1, v2] = primitive.vertices.map(|vertex| self.positions.at(vertex));
         let flags = self.flags.at(primitive.material);
         // SAFETY: as above.
-        unsafe { self.triangles.set(thread.x, Triangle::new(v0, v1, v2, old.primitive, flags)) };
+        unsafe { self.triangles.set(thread.x, Triangle { v0, v1, v2, flags, ..old }) };
     }
 }
 

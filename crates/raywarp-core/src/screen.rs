@@ -133,7 +133,7 @@ impl Shown {
             quantity::NORMAL => false_color::normal(first_hit.normal),
             quantity::DEPTH => false_color::depth(false_color::share(first_hit.depth, low, high)),
             quantity::ALBEDO => false_color::albedo(first_hit.albedo),
-            quantity::PRIMITIVE => false_color::index(first_hit.primitive),
+            quantity::PRIMITIVE => false_color::triangle(first_hit.instance, first_hit.primitive),
             _ => false_color::index(first_hit.material),
         }
     }

@@ -5,8 +5,9 @@ use crate::background::Background;
 use crate::light::Light;
 use crate::material::{flags, Material};
 use crate::math::{vec3, Vec3};
-use crate::ray::{Hit, Ray};
+use crate::ray::{Hit, Ray, MISS};
 use crate::texture::{mode, Textures, NO_TEXTURE};
+use crate::traversal::Space;
 use crate::view::View;
 
 /// A triangle of the scene, as shading reads it.
@@ -19,11 +20,46 @@ pub struct Primitive {
     pub material: u32,
 }
 
-/// A scene in world space, as shading reads it.
+/// A mesh in a place, as shading reads it.
+#[repr(C, align(16))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instance {
+    /// Mesh to world: each row is a row of the matrix, then the shift. Of no meaning [in world space](IN_WORLD).
+    pub rows: [[f32; 4]; 3],
+    /// Where the mesh's triangles begin among all primitives.
+    pub first_primitive: u32,
+    /// Material of all its triangles; [`MISS`] for their own.
+    pub material: u32,
+    /// Bits [`IN_WORLD`] and [`MIRRORED`].
+    pub flags: u32,
+    /// Makes 64 bytes.
+    pub unused: u32,
+}
+
+impl Instance {
+    /// Of vertices that are in world space already.
+    pub const IN_PLACE: Self = Self {
+        rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
+        first_primitive: 0,
+        material: MISS,
+        flags: IN_WORLD,
+        unused: 0,
+    };
+}
+
+/// Bit of [`Instance::flags`]: its vertices are in world space already.
+pub const IN_WORLD: u32 = 1;
+
+/// Bit of [`Instance::flags`]: the transform turns left into right, so the vertices run clockwise where the outside is seen.
+pub const MIRRORED: u32 = 2;
+
+/// A scene, as shading reads it. Vertices are in world space or in that of their mesh, as their instance says.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Scene {
-    /// All triangles.
+    /// All placed meshes.
+    pub instances: View<Instance>,
+    /// All triangles, mesh by mesh.
     pub primitives: View<Primitive>,
     /// A position a vertex.
     pub positions: View<Vec3>,
@@ -82,13 +118,16 @@ impl Surface {
 struct Corners {
     vertices: [u32; 3],
     weights: [f32; 3],
+    /// -1 where the instance turns left into right, else 1.
+    handedness: f32,
+    /// Of an instance that is not in world space.
+    transform: Option<Transform>,
 }
 
 impl Corners {
     #[inline(always)]
-    fn mix(&self, array: &View<Vec3>) -> Vec3 {
-        let [a, b, c] = self.vertices.map(|vertex| array.at(vertex));
-        a.mul_add(self.weights[0], b.mul_add(self.weights[1], c * self.weights[2]))
+    fn mix([a, b, c]: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
+        a.mul_add(weights[0], b.mul_add(weights[1], c * weights[2]))
     }
 
     #[inline(always)]
@@ -100,14 +139,48 @@ impl Corners {
     }
 }
 
+/// The way from a mesh to the world.
+#[derive(Clone, Copy)]
+struct Transform {
+    rows: [Vec3; 3],
+    shift: Vec3,
+}
+
+impl Transform {
+    #[inline(always)]
+    fn of(instance: &Instance) -> Self {
+        let [x, y, z] = instance.rows;
+        let row = |[a, b, c, _]: [f32; 4]| vec3(a, b, c);
+        Self { rows: [row(x), row(y), row(z)], shift: vec3(x[3], y[3], z[3]) }
+    }
+
+    #[inline(always)]
+    fn point(&self, p: Vec3) -> Vec3 {
+        self.vector(p) + self.shift
+    }
+
+    #[inline(always)]
+    fn vector(&self, v: Vec3) -> Vec3 {
+        let [x, y, z] = self.rows;
+        vec3(x.dot(v), y.dot(v), z.dot(v))
+    }
+
+    /// By the cofactors: the inverse transpose up to a factor, which is negative where this turns left into right.
+    #[inline(always)]
+    fn normal(&self, n: Vec3) -> Vec3 {
+        let [x, y, z] = self.rows;
+        vec3(y.cross(z).dot(n), z.cross(x).dot(n), x.cross(y).dot(n)).normalize()
+    }
+}
+
 /// The rounding error of an interpolated point is a few units of 2^-24 of the largest coordinate of the triangle; this
 /// many keep a ray that leaves the point off the triangle.
 const OFFSET: f32 = 32.0 / 16_777_216.0;
 
-/// Unit normal of a triangle, on the side from which its vertices run counter-clockwise.
+/// Unit normal of a triangle, on the side that is outside: from there the vertices of its mesh run counter-clockwise.
 #[inline(always)]
-fn outward(p0: Vec3, p1: Vec3, p2: Vec3) -> Vec3 {
-    (p1 - p0).cross(p2 - p0).normalize()
+fn outward([p0, p1, p2]: [Vec3; 3], corners: &Corners) -> Vec3 {
+    (p1 - p0).cross(p2 - p0).normalize() * corners.handedness
 }
 
 /// Whether a ray meets the side that a normal is on.
@@ -117,10 +190,20 @@ fn faces(normal: Vec3, ray: &Ray) -> bool {
 }
 
 impl Scene {
-    /// The material of a triangle.
+    /// The material of what was hit.
     #[inline(always)]
-    pub fn material(&self, primitive: u32) -> &Material {
-        self.materials.item(self.primitives.load(primitive).material)
+    pub fn material<S: Space>(&self, hit: &Hit) -> &Material {
+        self.materials.item(self.material_index::<S>(hit))
+    }
+
+    /// Its index.
+    #[inline(always)]
+    pub fn material_index<S: Space>(&self, hit: &Hit) -> u32 {
+        let instance = self.instances.item(hit.instance);
+        if S::OF_MESH && instance.material != MISS {
+            return instance.material;
+        }
+        self.primitives.load(instance.first_primitive + hit.primitive).material
     }
 
     /// What light that is not followed any further is taken for: the ambient light, or the background where that is
@@ -133,8 +216,8 @@ impl Scene {
     /// What a ray that enters a triangle's surface is inside of: one more than the index of its material. Materials beyond
     /// the first 2^24 do not absorb.
     #[inline(always)]
-    pub fn medium(&self, primitive: u32) -> u32 {
-        let medium = self.primitives.load(primitive).material + 1;
+    pub fn medium<S: Space>(&self, hit: &Hit) -> u32 {
+        let medium = self.material_index::<S>(hit) + 1;
         if medium < 1 << 24 {
             medium
         } else {
@@ -149,27 +232,54 @@ impl Scene {
     }
 
     #[inline(always)]
-    fn corners(&self, hit: &Hit) -> Corners {
-        let vertices = self.primitives.load(hit.primitive).vertices;
-        Corners { vertices, weights: [1.0 - hit.u - hit.v, hit.u, hit.v] }
+    fn corners<S: Space>(&self, hit: &Hit) -> Corners {
+        let instance = self.instances.item(hit.instance);
+        let placed = S::OF_MESH && instance.flags & IN_WORLD == 0;
+        Corners {
+            vertices: self.primitives.load(instance.first_primitive + hit.primitive).vertices,
+            weights: [1.0 - hit.u - hit.v, hit.u, hit.v],
+            handedness: if instance.flags & MIRRORED != 0 { -1.0 } else { 1.0 },
+            transform: if placed { Some(Transform::of(instance)) } else { None },
+        }
+    }
+
+    /// In world space.
+    #[inline(always)]
+    fn positions(&self, corners: &Corners) -> [Vec3; 3] {
+        let positions = corners.vertices.map(|vertex| self.positions.at(vertex));
+        match &corners.transform {
+            Some(transform) => positions.map(|p| transform.point(p)),
+            None => positions,
+        }
+    }
+
+    /// In world space, of a corner; zero where it has none.
+    #[inline(always)]
+    fn normal(&self, corners: &Corners, corner: usize) -> Vec3 {
+        let normal = self.normals.at(corners.vertices[corner]);
+        match &corners.transform {
+            Some(transform) if !normal.is_zero() => transform.normal(normal) * corners.handedness,
+            _ => normal,
+        }
     }
 
     /// The point that a ray hit.
     #[inline(always)]
-    pub fn surface(&self, ray: &Ray, hit: &Hit, material: &Material) -> Surface {
-        let corners = self.corners(hit);
-        let [p0, p1, p2] = corners.vertices.map(|vertex| self.positions.at(vertex));
-        let outward = outward(p0, p1, p2);
+    pub fn surface<S: Space>(&self, ray: &Ray, hit: &Hit, material: &Material) -> Surface {
+        let corners = self.corners::<S>(hit);
+        let positions = self.positions(&corners);
+        let outward = outward(positions, &corners);
         let outside = faces(outward, ray);
         let side = if outside { 1.0 } else { -1.0 };
         let (uv, tint, coverage) = self.attributes(&corners, material);
         let mut normal = self.shading_normal(&corners, outward);
         if material.normal_map != NO_TEXTURE {
-            normal = self.bend(&corners, normal, uv, material);
+            normal = self.perturb_normal(&corners, normal, uv, material);
         }
-        let offset = OFFSET * arch::max(p0.max_abs(), arch::max(p1.max_abs(), p2.max_abs()));
+        let [p0, p1, p2] = positions.map(Vec3::max_abs);
+        let offset = OFFSET * arch::max(p0, arch::max(p1, p2));
         Surface {
-            point: corners.mix(&self.positions),
+            point: Corners::mix(positions, corners.weights),
             geometric: outward * side,
             normal: normal * side,
             outside,
@@ -223,9 +333,9 @@ impl Scene {
 
     /// Texture coordinates by which a texture of the material is laid out at a hit, given those of the first set.
     #[inline(always)]
-    pub fn coordinates(&self, hit: &Hit, material: &Material, map: u32, first: [f32; 2]) -> [f32; 2] {
+    pub fn coordinates<S: Space>(&self, hit: &Hit, material: &Material, map: u32, first: [f32; 2]) -> [f32; 2] {
         match self.uses_second(material, map) {
-            true => self.corners(hit).mix_array(&self.second_uvs),
+            true => self.corners::<S>(hit).mix_array(&self.second_uvs),
             false => first,
         }
     }
@@ -238,33 +348,33 @@ impl Scene {
             && !self.second_uvs.is_empty()
     }
 
-    /// Whether a ray meets a triangle from inside, to which its vertices run clockwise.
+    /// Whether a ray meets a triangle from inside.
     #[inline(always)]
-    pub fn is_inside(&self, ray: &Ray, hit: &Hit) -> bool {
-        let [p0, p1, p2] = self.primitives.load(hit.primitive).vertices.map(|vertex| self.positions.at(vertex));
-        !faces(outward(p0, p1, p2), ray)
+    pub fn is_inside<S: Space>(&self, ray: &Ray, hit: &Hit) -> bool {
+        let corners = self.corners::<S>(hit);
+        !faces(outward(self.positions(&corners), &corners), ray)
     }
 
     /// What tints the diffuse reflectance at a hit.
     #[inline(always)]
-    pub fn tint(&self, hit: &Hit, material: &Material) -> Vec3 {
-        self.attributes(&self.corners(hit), material).1
+    pub fn tint<S: Space>(&self, hit: &Hit, material: &Material) -> Vec3 {
+        self.attributes(&self.corners::<S>(hit), material).1
     }
 
     /// Coverage at a hit: 0 for a hole.
     #[inline]
-    pub fn coverage(&self, hit: &Hit, material: &Material) -> f32 {
+    pub fn coverage<S: Space>(&self, hit: &Hit, material: &Material) -> f32 {
         if material.flags & (flags::MASK | flags::BLEND) == 0 {
             return 1.0;
         }
-        self.attributes(&self.corners(hit), material).2
+        self.attributes(&self.corners::<S>(hit), material).2
     }
 
     #[inline(always)]
     fn shading_normal(&self, corners: &Corners, outward: Vec3) -> Vec3 {
         let mut sum = Vec3::ZERO;
         for corner in 0..3 {
-            let normal = self.normals.at(corners.vertices[corner]);
+            let normal = self.normal(corners, corner);
             let normal = if normal.is_zero() { outward } else { normal };
             sum = normal.mul_add(corners.weights[corner], sum);
         }
@@ -281,7 +391,7 @@ impl Scene {
 
     /// The shading normal after the normal map.
     #[inline(always)]
-    fn bend(&self, corners: &Corners, normal: Vec3, uv: [f32; 2], material: &Material) -> Vec3 {
+    fn perturb_normal(&self, corners: &Corners, normal: Vec3, uv: [f32; 2], material: &Material) -> Vec3 {
         let uvs = if self.uses_second(material, material.normal_map) { &self.second_uvs } else { &self.uvs };
         let [u, v] = self.laid_out(corners, material, material.normal_map, uv);
         let Some((tangent, bitangent)) = self.frame(corners, normal, uvs) else { return normal };
@@ -309,6 +419,9 @@ impl Scene {
         if !self.tangents.is_empty() {
             let [x, y, z, w] = corners.mix_array(&self.tangents);
             (tangent, handedness) = (vec3(x, y, z), w);
+            if let Some(transform) = &corners.transform {
+                (tangent, handedness) = (transform.vector(tangent), w * corners.handedness);
+            }
         }
         if tangent.is_zero() {
             (tangent, handedness) = self.derived_tangent(corners, uvs)?;
@@ -324,11 +437,11 @@ impl Scene {
         if uvs.is_empty() {
             return None;
         }
-        let [p0, p1, p2] = corners.vertices.map(|vertex| self.positions.at(vertex));
+        let [p0, p1, p2] = self.positions(corners);
         let [t0, t1, t2] = corners.vertices.map(|vertex| uvs.at(vertex));
         let (du1, dv1, du2, dv2) = (t1[0] - t0[0], t1[1] - t0[1], t2[0] - t0[0], t2[1] - t0[1]);
         let area = arch::fma(du1, dv2, -(du2 * dv1));
         let tangent = ((p1 - p0) * dv2 - (p2 - p0) * dv1) * if area < 0.0 { -1.0 } else { 1.0 };
-        (area != 0.0).then_some((tangent, area))
+        (area != 0.0).then_some((tangent, area * corners.handedness))
     }
 }

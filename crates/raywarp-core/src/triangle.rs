@@ -78,12 +78,12 @@ pub struct Triangle {
     pub v1: Vec3,
     /// Vertex 2.
     pub v2: Vec3,
-    /// Index of the triangle in the scene.
+    /// Index of the triangle in its mesh.
     pub primitive: u32,
     /// See [`flags`].
     pub flags: u32,
-    /// Largest component of any edge: the scale by which boxes are padded.
-    pub extent: f32,
+    /// Index of the instance in the scene, for a triangle in world space; of no meaning in the space of a mesh.
+    pub instance: u32,
 }
 
 /// An edge function closer to zero than this may have lost its sign to underflow: below it a product is not rounded
@@ -106,10 +106,22 @@ pub fn padded(low: Vec3, high: Vec3, extent: f32) -> (Vec3, Vec3) {
 }
 
 impl Triangle {
-    /// From its corners; any floats are legal, a triangle with NaN or without area is never hit.
+    /// From its corners, of instance 0; any floats are legal, a triangle with NaN or without area is never hit.
     pub fn new(v0: Vec3, v1: Vec3, v2: Vec3, primitive: u32, flags: u32) -> Self {
-        let extent = arch::max(arch::max((v1 - v0).max_abs(), (v2 - v0).max_abs()), (v2 - v1).max_abs());
-        Self { v0, v1, v2, primitive, flags, extent }
+        Self { v0, v1, v2, primitive, flags, instance: 0 }
+    }
+
+    /// Largest component of any edge: the scale by which boxes are padded.
+    #[inline(always)]
+    pub fn extent(&self) -> f32 {
+        let edges = [self.v1 - self.v0, self.v2 - self.v0, self.v2 - self.v1];
+        arch::max(arch::max(edges[0].max_abs(), edges[1].max_abs()), edges[2].max_abs())
+    }
+
+    /// Whether a hit of this one counts before a hit of `other` at the same distance, see [`Hit::precedes`].
+    #[inline(always)]
+    pub fn precedes(&self, other: &Self) -> bool {
+        (self.instance, self.primitive) < (other.instance, other.primitive)
     }
 
     /// Low and high corner of the box around every point where a ray may be found to hit the triangle; finite, whatever
@@ -120,7 +132,7 @@ impl Triangle {
     #[inline(always)]
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let (low, high) = (self.v0.min(self.v1).min(self.v2), self.v0.max(self.v1).max(self.v2));
-        padded(low, high, self.extent)
+        padded(low, high, self.extent())
     }
 
     /// Where the ray meets the triangle, from either side, whatever the ray's `t_min` and `t_max`.
@@ -164,7 +176,7 @@ impl Triangle {
         let (u, v, w) = (u * inverse, v * inverse, w * inverse);
         let along = |v: Vec3| v.dot(shear.along);
         let t = arch::fma(u, along(p), arch::fma(v, along(q), w * along(r)));
-        then(Hit { t, u: v, v: w, primitive: self.primitive });
+        then(Hit { t, u: v, v: w, primitive: self.primitive, instance: self.instance });
     }
 
     /// Möller and Trumbore's own form, as in the paper: Cramer's rule on `s = t(-d) + u e1 + v e2`.
@@ -179,7 +191,8 @@ impl Triangle {
         let inverse = 1.0 / e1.dot(p);
         let (u, v) = (s.dot(p) * inverse, d.dot(q) * inverse);
         let inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0;
-        inside.then(|| Hit { t: e2.dot(q) * inverse, u, v, primitive: self.primitive })
+        let (primitive, instance) = (self.primitive, self.instance);
+        inside.then(|| Hit { t: e2.dot(q) * inverse, u, v, primitive, instance })
     }
 }
 

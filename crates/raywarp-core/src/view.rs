@@ -48,6 +48,13 @@ impl<T: Copy> View<T> {
         self.len == 0
     }
 
+    /// Some of the items, which whoever made the view vouches to be in range.
+    #[inline(always)]
+    pub(crate) fn part(&self, first: u32, len: u32) -> Self {
+        debug_assert!(first.checked_add(len).is_some_and(|end| end <= self.len), "{len} from {first} of {}", self.len);
+        Self { address: self.address.wrapping_add(first as usize), len }
+    }
+
     /// The item at `index`, which whoever made the view vouches to be in range.
     #[inline(always)]
     pub fn at(&self, index: u32) -> T {
@@ -189,8 +196,9 @@ plain!(
     crate::light::Light,
     crate::material::Material,
     crate::math::Vec3,
-    crate::ray::Hit,
+    crate::ray::MeshHit,
     crate::ray::Ray,
+    crate::surface::Instance,
     crate::surface::Primitive,
     crate::texture::Texture,
     crate::traversal::Tests,
@@ -199,6 +207,7 @@ plain!(
     crate::traversal::two_level::Instance,
     crate::traversal::bvh8f::Block,
     crate::traversal::bvh8f::Node,
+    crate::traversal::kdtree::KdPart,
     crate::traversal::kdtree::Node,
     crate::triangle::Triangle,
 );

@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mesh = rock((f64::from(triangles) / 4.0).sqrt() as u32 + 1);
     let count = mesh.len() as u32;
     let side = f64::from(instances).cbrt().ceil() as u32;
-    let placements: Vec<_> = (0..instances).map(|i| place(i, side, count)).collect();
+    let placements: Vec<_> = (0..instances).map(|i| place(i, side)).collect();
     let tree = build(vec![mesh], &placements, Quality::default())?;
     let stats = tree.stats();
     let mega = |bytes: usize| bytes as f64 / 1e6;
@@ -61,13 +61,13 @@ fn rock(rings: u32) -> Vec<Triangle> {
 }
 
 /// In a cube of `side` a side, each turned and stretched in its own way.
-fn place(index: u32, side: u32, triangles: u32) -> Placement {
+fn place(index: u32, side: u32) -> Placement {
     let at = [index % side, index / side % side, index / side / side];
     let (sin, cos) = (index as f32).sin_cos();
     let stretch = 0.6 + 0.3 * (index as f32 * 0.7).cos();
     let columns = [[cos, 0.0, -sin], [0.3 * sin, stretch, 0.0], [sin, 0.0, cos]];
     let transform = Transform { columns, translation: at.map(|x| 3.0 * x as f32) };
-    Placement { mesh: 0, transform, first_primitive: index.saturating_mul(triangles), flags: None }
+    Placement { mesh: 0, transform, instance: index, flags: None }
 }
 
 /// A square of `side` by `side` rays from outside at the cube.

@@ -344,7 +344,7 @@ fn rows_of_hits_stay_on_the_device() {
     let mut all = device::All::new(&device, 3, 2).unwrap();
     caster.trace(&rays, &mut all).unwrap();
     assert_eq!(all.counts.to_vec().unwrap(), [2, 0, 2]);
-    let hits = all.hits.download().unwrap();
+    let hits = all.hits.to_vec().unwrap();
     assert_eq!([hits[0].t, hits[1].t, hits[4].t, hits[5].t], [1.0, 2.0, 1.0, 2.0]);
     let stream = device.stream().unwrap();
     let count = device::Count::new(&device, 3).unwrap();

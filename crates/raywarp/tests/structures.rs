@@ -11,8 +11,8 @@ use raywarp_core::traversal::{NullStatistics, Occlusion, START};
 use raywarp_core::triangle::Triangle;
 
 /// The bits, so that equal means equal.
-fn bits(hit: Hit) -> [u32; 4] {
-    [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive]
+fn bits(hit: Hit) -> [u32; 5] {
+    [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive, hit.instance]
 }
 
 /// The first hits along the ray, one after the other, and what a shadow ray meets, are those of brute force.
@@ -121,7 +121,7 @@ fn extreme_scales_agree() {
         let mut numbers = Numbers(i as u64);
         let unscaled = scene(1, 200, &mut numbers);
         let scaled = unscaled.iter().map(|t| {
-            let scale = scale / t.extent.max(1e-20);
+            let scale = scale / t.extent().max(1e-20);
             Triangle::new(t.v0 * scale, t.v1 * scale, t.v2 * scale, t.primitive, 0)
         });
         let triangles = raywarp::accel::drop_degenerate(scaled.collect()).0;

@@ -11,8 +11,10 @@ use raywarp::scene::Transform;
 use raywarp_core::math::{vec3, Vec3};
 use raywarp_core::ray::{Hit, Ray};
 use raywarp_core::traversal::bvh2::Child;
-use raywarp_core::traversal::two_level::{Instance, MIRRORED};
-use raywarp_core::traversal::{closest, occlusion, Counter, NullStatistics, Occlusion, Structure, Visitor, START};
+use raywarp_core::traversal::two_level::{Instance, BAKED};
+use raywarp_core::traversal::{
+    closest, occlusion, Counter, MeshSpace, NullStatistics, Occlusion, Structure, Visitor, START,
+};
 use raywarp_core::triangle::{flags, Triangle};
 
 // Transforms.
@@ -62,33 +64,23 @@ fn put(transform: &Transform, p: Vec3) -> Vec3 {
     x * p.x + y * p.y + z * p.z + transform.translation.into()
 }
 
-fn is_mirrored(transform: &Transform) -> bool {
-    let [x, y, z] = transform.columns.map(Vec3::from);
-    z.dot(x.cross(y)) < 0.0
-}
-
 /// The scene without instances.
 fn flattened(meshes: &[Vec<Triangle>], placements: &[Placement]) -> Vec<Triangle> {
     let place = |p: &Placement| {
         let p = *p;
         meshes[p.mesh].iter().map(move |t| {
             let [a, b, c] = [t.v0, t.v1, t.v2].map(|v| put(&p.transform, v));
-            let [b, c] = if is_mirrored(&p.transform) { [c, b] } else { [b, c] };
-            Triangle::new(a, b, c, p.first_primitive + t.primitive, p.flags.unwrap_or(t.flags))
+            let flags = p.flags.unwrap_or(t.flags);
+            Triangle { instance: p.instance, ..Triangle::new(a, b, c, t.primitive, flags) }
         })
     };
     raywarp::accel::drop_degenerate(placements.iter().flat_map(place).collect()).0
 }
 
 /// One instance after the other.
-fn place(meshes: &[Vec<Triangle>], list: &[(usize, Transform)]) -> Vec<Placement> {
-    let mut first_primitive = 0;
-    let next = |&(mesh, transform): &(usize, Transform)| {
-        let placement = Placement { mesh, transform, first_primitive, flags: None };
-        first_primitive += meshes[mesh].iter().map(|t| t.primitive + 1).max().unwrap_or(0);
-        placement
-    };
-    list.iter().map(next).collect()
+fn place(list: &[(usize, Transform)]) -> Vec<Placement> {
+    let place = |(&(mesh, transform), instance)| Placement { mesh, transform, instance, flags: None };
+    list.iter().zip(0..).map(place).collect()
 }
 
 // The oracle: every triangle of every instance, along the ray that the instance sees.
@@ -122,19 +114,16 @@ fn below(tree: &TwoLevel, child: Child, found: &mut Vec<Triangle>) {
 
 impl Structure for Everything<'_> {
     const NAME: &'static str = "everything";
+    type Space = MeshSpace;
 
     fn traverse(&self, ray: &Ray, _: &mut impl Counter, visitor: &mut impl Visitor) {
         for Seen { instance, triangles } in self.0 {
             let within = instance.bring(ray);
             for t in triangles {
-                let [v1, v2] = if instance.flags & MIRRORED != 0 { [t.v2, t.v1] } else { [t.v1, t.v2] };
-                let flags = (t.flags & instance.keep) | (instance.flags & !MIRRORED);
-                let primitive = instance.first_primitive.wrapping_add(t.primitive);
-                if visitor.visit(
-                    &raywarp_core::triangle::RayShear::new(&within),
-                    &Triangle { v1, v2, primitive, flags, ..*t },
-                ) < ray.t_min
-                {
+                let flags = (t.flags & instance.keep) | (instance.flags & !BAKED);
+                let own = if instance.flags & BAKED != 0 { t.instance } else { instance.index };
+                let shear = raywarp_core::triangle::RayShear::new(&within);
+                if visitor.visit(&shear, &Triangle { flags, instance: own, ..*t }) < ray.t_min {
                     return;
                 }
             }
@@ -142,8 +131,8 @@ impl Structure for Everything<'_> {
     }
 }
 
-fn bits(hit: Hit) -> [u32; 4] {
-    [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive]
+fn bits(hit: Hit) -> [u32; 5] {
+    [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive, hit.instance]
 }
 
 fn agree(tree: &TwoLevel, everything: &[Seen], ray: &Ray) -> Result<(), String> {
@@ -178,7 +167,7 @@ fn check(family: usize, kinds: &[usize], count: usize, rays: usize, seed: u64) -
     let mut n = Numbers(seed);
     let meshes: Vec<_> = (0..3).map(|i| scene((family + i) % FAMILIES, count >> i, &mut n)).collect();
     let list: Vec<_> = kinds.iter().map(|&kind| (n.below(3), transform(kind, &mut n))).collect();
-    let mut placements = place(&meshes, &list);
+    let mut placements = place(&list);
     for placement in &mut placements {
         placement.flags = n.pick(&[None, None, Some(0), Some(flags::TRANSPARENT)]);
     }
@@ -226,7 +215,7 @@ fn rays_from_afar_are_not_lost() {
     for seed in 0..200 {
         let mut n = Numbers(seed);
         let list: Vec<_> = (0..5).map(|i| (0, transform([2, 4, 5, 8][i % 4], &mut n))).collect();
-        let placements = place(std::slice::from_ref(&mesh), &list);
+        let placements = place(&list);
         let world = flattened(std::slice::from_ref(&mesh), &placements);
         let tree = build(vec![mesh.clone()], &placements, Quality::default()).unwrap();
         let everything = Everything::of(&tree);
@@ -279,7 +268,7 @@ fn no_ray_escapes_from_a_placed_mesh() {
             }
             let there = Transform { translation: [3e7, 0.0, 0.0], ..here };
             let meshes = vec![mesh.clone()];
-            let placements = place(&meshes, &[(0, here), (0, there)]);
+            let placements = place(&[(0, here), (0, there)]);
             let tree = build(meshes, &placements, Quality::default()).unwrap();
             for i in 0..5000 {
                 let t = n.pick(&mesh);
@@ -300,7 +289,7 @@ fn no_ray_escapes_from_a_placed_mesh() {
 /// Rays at the middles of triangles: what both see of them differs by rounding alone.
 fn against_flattened(list: &[(usize, Transform)], rays: usize, seed: u64) {
     let meshes = vec![sphere(12), sphere(9)];
-    let placements = place(&meshes, list);
+    let placements = place(list);
     let world = flattened(&meshes, &placements);
     let flat = Accel::build(AccelKind::Bvh, world.clone()).unwrap();
     let tree = build(meshes, &placements, Quality::default()).unwrap();
@@ -309,19 +298,20 @@ fn against_flattened(list: &[(usize, Transform)], rays: usize, seed: u64) {
     for _ in 0..rays {
         let t = n.pick(&world);
         let middle = (t.v0 + t.v1 + t.v2) * (1.0 / 3.0);
-        let origin = middle + n.point() * (t.extent * n.pick(&[2.0, 5.0, 50.0]));
+        let origin = middle + n.point() * (t.extent() * n.pick(&[2.0, 5.0, 50.0]));
         let ray = Ray::new(origin, middle - origin);
         let [a, b] = [flat.closest(&ray, &START, &mut NullStatistics), tree.closest(&ray, &START, &mut NullStatistics)];
         // A rounding of what the coordinates are, some thirty times, over the slope at which a triangle is met.
-        let size = origin.max_abs().max(middle.max_abs()).max(t.extent);
-        let bound = |p: u32| {
-            let t = world.iter().find(|t| t.primitive == p).unwrap();
+        let size = origin.max_abs().max(middle.max_abs()).max(t.extent());
+        let bound = |hit: &Hit| {
+            let id = (hit.instance, hit.primitive);
+            let t = world.iter().find(|t| (t.instance, t.primitive) == id).unwrap();
             let slope = (t.v1 - t.v0).cross(t.v2 - t.v0).normalize().dot(ray.direction).abs();
             32.0 / 16_777_216.0 * 8.0 * size / slope
         };
         assert!(!a.is_miss() && !b.is_miss(), "{a:?} {b:?} {ray:?}");
-        if a.primitive == b.primitive {
-            assert!((a.t - b.t).abs() <= bound(a.primitive), "{a:?} {b:?} {ray:?} {}", bound(a.primitive));
+        if (a.instance, a.primitive) == (b.instance, b.primitive) {
+            assert!((a.t - b.t).abs() <= bound(&a), "{a:?} {b:?} {ray:?} {}", bound(&a));
         } else {
             // Through an edge between the two, or past an edge of what is in front.
             others += 1;
@@ -358,7 +348,7 @@ fn a_thousand_instances() {
         .collect();
     against_flattened(&list, 2000, 1);
     let meshes = vec![sphere(12), sphere(9)];
-    let tree = build(meshes.clone(), &place(&meshes, &list), Quality::default()).unwrap();
+    let tree = build(meshes.clone(), &place(&list), Quality::default()).unwrap();
     let stats = tree.stats();
     assert_eq!((stats.instances, stats.meshes, stats.baked), (1000, 2, 0));
     assert_eq!(stats.triangles, meshes[0].len() + meshes[1].len());
@@ -371,14 +361,17 @@ fn a_thousand_instances() {
 fn of_instances_in_the_same_place_the_first_is_hit() {
     let meshes = vec![sphere(8)];
     let place_it = transform(4, &mut Numbers(3));
-    let placements = place(&meshes, &[(0, place_it); 100]);
+    let placements = place(&[(0, place_it); 100]);
     let world = flattened(&meshes, &placements[..1]);
     let tree = build(meshes, &placements, Quality::default()).unwrap();
     let mut n = Numbers(1);
     for i in 0..2000 {
         let ray = ray(i % 8, &world, &mut n);
         let hit = tree.closest(&ray, &START, &mut NullStatistics);
-        assert!(hit.is_miss() || (hit.primitive as usize) < world.len(), "{hit:?}");
+        assert!(
+            hit.is_miss() || world.iter().any(|t| (t.instance, t.primitive) == (hit.instance, hit.primitive)),
+            "{hit:?}"
+        );
         // The same hit of every other instance comes after it.
         assert!(hit.is_miss() || tree.closest(&ray, &hit, &mut NullStatistics).t == hit.t, "{hit:?}");
     }
@@ -392,7 +385,7 @@ fn flat_and_single_placements_are_those_of_the_flattened_scene_to_the_bit() {
         let meshes = vec![sphere(8), sphere(5), sphere(3)];
         let flat = [(); 4].map(|()| (0, transform(9, &mut n)));
         let list = [&flat[..], &[(1, transform(4, &mut n)), (2, transform(3, &mut n))]].concat();
-        let placements = place(&meshes, &list);
+        let placements = place(&list);
         let world = flattened(&meshes, &placements);
         let accel = Accel::build(AccelKind::Bvh, world.clone()).unwrap();
         let tree = build(meshes, &placements, Quality::default()).unwrap();
@@ -414,13 +407,13 @@ fn empty_meshes_are_left_out() {
     let meshes = vec![nowhere[0].clone(), sphere(4), nowhere[1].clone()];
     let at = |x| Transform { translation: [x, 0.0, 0.0], ..Transform::IDENTITY };
     let list = [(0, at(0.0)), (1, at(0.0)), (0, at(5.0)), (2, at(1.0)), (2, at(2.0)), (1, at(10.0))];
-    let placements = place(&meshes, &list);
+    let placements = place(&list);
     let tree = build(meshes.clone(), &placements, Quality::default()).unwrap();
     assert_eq!(tree.validate(), Ok(()));
     assert_eq!((tree.stats().instances, tree.stats().meshes, tree.stats().dropped.without_area), (2, 1, 20));
     let down = Ray::new(vec3(10.1, 5.0, 0.1), vec3(0.0, -1.0, 0.0));
     let hit = tree.closest(&down, &START, &mut NullStatistics);
-    assert!(hit.primitive >= meshes[1].len() as u32 + 2, "{hit:?}");
+    assert_eq!(hit.instance, 5, "{hit:?}");
 
     for placements in [&[][..], &placements[..1], &placements[3..5]] {
         let tree = build(meshes.clone(), placements, Quality::default()).unwrap();
@@ -440,7 +433,7 @@ fn flags_of_a_placement_come_before_those_of_the_mesh() {
     let meshes = vec![veil, sphere(4)];
     let at = |x| Transform { translation: [x, 0.0, 0.0], ..Transform::IDENTITY };
     let list = [0.0, 10.0, 20.0, 30.0].map(|x| ((x >= 20.0) as usize, at(x)));
-    let mut placements = place(&meshes, &list);
+    let mut placements = place(&list);
     placements[1].flags = Some(0);
     placements[3].flags = Some(flags::CUTOUT);
     let tree = build(meshes, &placements, Quality::default()).unwrap();
@@ -452,13 +445,8 @@ fn flags_of_a_placement_come_before_those_of_the_mesh() {
 }
 
 #[test]
-fn what_cannot_be_named_is_an_error() {
-    let meshes = vec![sphere(4)];
-    let names = meshes[0].len() as u32;
-    let at = |mesh, first_primitive| Placement { mesh, transform: Transform::IDENTITY, first_primitive, flags: None };
-    let error = |placement| build(meshes.clone(), &[placement], Quality::default()).unwrap_err();
-    assert_eq!(error(at(1, 0)), BuildError::NoSuchMesh { placement: 0, mesh: 1, count: 1 });
-    let limit = u32::MAX;
-    assert_eq!(error(at(0, limit - names + 1)), BuildError::TooManyPrimitives { has: u64::from(limit) + 1, limit });
-    assert!(build(meshes.clone(), &[at(0, limit - names)], Quality::default()).is_ok());
+fn a_mesh_that_is_not_there_is_an_error() {
+    let placement = Placement { mesh: 1, transform: Transform::IDENTITY, instance: 0, flags: None };
+    let error = build(vec![sphere(4)], &[placement], Quality::default()).unwrap_err();
+    assert_eq!(error, BuildError::NoSuchMesh { placement: 0, mesh: 1, count: 1 });
 }

@@ -5,18 +5,19 @@ use std::marker::PhantomData;
 use raywarp_core::kernels::Kernel;
 use raywarp_core::traversal;
 use raywarp_core::traversal::query::{AnyHit, ClosestHit, Query};
-use raywarp_core::view::{Plain, ViewMut};
 use raywarp_lab_core::sharing::direct::Direct;
 use raywarp_lab_core::sharing::form::{Form, IfIf, Postponed, Speculative, WhileWhile};
 use raywarp_lab_core::sharing::queued::Queued;
 use raywarp_lab_core::sharing::refill::Refill;
 
+use raywarp_core::view::ViewMut;
+
 use crate::lanes::LoopForm;
 use crate::views::Views;
 use raywarp::accel::bvh2::Bvh2;
 use raywarp::device::{Buffer, Device, DeviceError};
-use raywarp::query::Answers;
-use raywarp::{Hit, Ray, Triangle, Vec3};
+use raywarp::query::{Answers, HitBuffers};
+use raywarp::{Ray, Triangle, Vec3};
 
 /// How threads come by their rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +58,7 @@ pub struct Batch {
 }
 
 enum Storage {
-    Closest(Buffer<Hit>),
+    Closest(HitBuffers),
     Occluded(Buffer<u32>),
 }
 
@@ -67,12 +68,12 @@ impl Batch {
     /// # Errors
     /// The device has no room.
     pub fn new(device: &Device, tree: &Bvh2, rays: &[Ray], any_hit: bool) -> Result<Self, DeviceError> {
-        let answer = if any_hit { size_of::<u32>() } else { size_of::<Hit>() };
+        let answer = if any_hit { size_of::<u32>() } else { HitBuffers::HIT };
         let bytes = tree.stats().bytes + (size_of::<Ray>() + answer) * rays.len();
         device.reserve(bytes as u64, "a tree and rays")?;
         let storage = match any_hit {
             true => Storage::Occluded(device.zeroed(rays.len())?),
-            false => Storage::Closest(device.zeroed(rays.len())?),
+            false => Storage::Closest(HitBuffers::new(device, rays.len())?),
         };
         Ok(Self {
             device: device.clone(),
@@ -103,7 +104,7 @@ impl Batch {
         let rays = self.rays.view();
         let mut launch = Launch { device: &self.device, tree, rays, taken: &mut self.taken, times };
         match &mut self.storage {
-            Storage::Closest(hits) => launch.time::<ClosestHit>(way, hits.view_mut()),
+            Storage::Closest(hits) => launch.time::<ClosestHit>(way, hits.arrays()),
             Storage::Occluded(occluded) => launch.time::<AnyHit>(way, occluded.view_mut()),
         }
     }
@@ -153,9 +154,8 @@ struct Launch<'a> {
 }
 
 impl Launch<'_> {
-    fn time<Q: Query>(&mut self, way: Way, answers: ViewMut<Q::Answer>) -> Result<Vec<f64>, DeviceError>
+    fn time<Q: Query>(&mut self, way: Way, answers: Q::Answers) -> Result<Vec<f64>, DeviceError>
     where
-        Q::Answer: Plain,
         Direct<IfIf, Q>: Kernel,
         Direct<WhileWhile, Q>: Kernel,
         Direct<Speculative, Q>: Kernel,
@@ -175,7 +175,7 @@ impl Launch<'_> {
         }
     }
 
-    fn direct<F: Form, Q: Query>(&self, answers: ViewMut<Q::Answer>) -> Result<Vec<f64>, DeviceError>
+    fn direct<F: Form, Q: Query>(&self, answers: Q::Answers) -> Result<Vec<f64>, DeviceError>
     where
         Direct<F, Q>: Kernel,
     {
@@ -183,7 +183,7 @@ impl Launch<'_> {
         self.run(&kernel, self.rays.len())
     }
 
-    fn queued<Q: Query>(&mut self, queues: Queues, answers: ViewMut<Q::Answer>) -> Result<Vec<f64>, DeviceError>
+    fn queued<Q: Query>(&mut self, queues: Queues, answers: Q::Answers) -> Result<Vec<f64>, DeviceError>
     where
         Queued<Q>: Kernel,
     {
@@ -202,7 +202,7 @@ impl Launch<'_> {
         self.run(&kernel, threads)
     }
 
-    fn refill<F: Form, Q: Query>(&mut self, answers: ViewMut<Q::Answer>) -> Result<Vec<f64>, DeviceError>
+    fn refill<F: Form, Q: Query>(&mut self, answers: Q::Answers) -> Result<Vec<f64>, DeviceError>
     where
         Refill<F, Q>: Kernel,
     {

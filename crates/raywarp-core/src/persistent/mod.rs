@@ -40,7 +40,7 @@ pub struct Persistent<Q: Query> {
     /// The batch.
     pub rays: View<Ray>,
     /// One a ray, written.
-    pub answers: ViewMut<Q::Answer>,
+    pub answers: Q::Answers,
     /// Rays that were taken, and warps that are done; zeros before and after.
     pub taken: ViewMut<u32>,
     /// Warps of the launch.
@@ -77,7 +77,7 @@ impl<Q: Query> Persistent<Q> {
             if refill {
                 if search.is_over() && index != MISS {
                     // SAFETY: every ray is taken once.
-                    unsafe { self.answers.set(index, self.answer(&search, &slots)) };
+                    unsafe { Q::write(&self.answers, index, self.answer(&search, &slots)) };
                     index = MISS;
                 }
                 if !more {
@@ -100,9 +100,10 @@ impl<Q: Query> Persistent<Q> {
                         triangles.load(triangle).intersect(&shear)
                     })
                     .map_or(f32::INFINITY, |hit| hit.t);
-                let primitive = |triangle| triangles.load(triangle).primitive;
                 let first = leaf.map_or(0, Child::index);
-                share.collect(t, |t, nth| search.hit::<Q>(t, first + nth, |a, b| primitive(a) < primitive(b)));
+                share.collect(t, |t, nth| {
+                    search.hit::<Q>(t, first + nth, |a, b| triangles.load(a).precedes(&triangles.load(b)))
+                });
                 search.after_leaf::<Q>(leaf, leaf.and_then(|leaf| share.rest(leaf)));
             }
         }

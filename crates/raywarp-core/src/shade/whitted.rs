@@ -12,7 +12,7 @@ use crate::ray::{Hit, Ray};
 use crate::stack::{Stack, Storage};
 use crate::surface::{Scene, Surface};
 use crate::texture::NO_TEXTURE;
-use crate::traversal::{closest, occlusion, Counter, Occlusion, Structure, START};
+use crate::traversal::{closest, occlusion, Counter, Occlusion, Space, Structure, START};
 
 /// Most bounces that can be asked for.
 pub const MAX_DEPTH: u32 = 16;
@@ -100,12 +100,12 @@ pub fn trace<S: Structure, C: Counter>(
             radiance += branch.weight * scene.background.radiance(branch.ray.direction);
         } else {
             any = true;
-            let material = scene.material(hit.primitive);
-            let surface = scene.surface(&branch.ray, &hit, material);
+            let material = scene.material::<S::Space>(&hit);
+            let surface = scene.surface::<S::Space>(&branch.ray, &hit, material);
             let weight = branch.weight * surface.coverage;
             radiance += weight * tracer.local(&branch.ray, &hit, &surface, material);
             if branch.depth() < limits.depth {
-                scatter(scene, &branch, &hit, weight, &surface, material, &mut waiting);
+                scatter::<S::Space>(scene, &branch, &hit, weight, &surface, material, &mut waiting);
             } else {
                 radiance += weight * material.transmission * scene.surroundings(branch.ray.direction);
             }
@@ -142,7 +142,7 @@ impl<S: Structure, C: Counter> Tracer<'_, S, C> {
             if index == NO_TEXTURE {
                 return Vec3::ONE;
             }
-            let [u, v] = self.scene.coordinates(hit, material, index, surface.uv);
+            let [u, v] = self.scene.coordinates::<S::Space>(hit, material, index, surface.uv);
             self.scene.textures.sample(index, u, v).color
         };
         let mut specular = material.specular * map(material.specular_map);
@@ -195,11 +195,11 @@ impl<S: Structure, C: Counter> Tracer<'_, S, C> {
             if previous.is_miss() {
                 return share;
             }
-            let material = self.scene.material(previous.primitive);
-            let coverage = self.scene.coverage(&previous, material);
+            let material = self.scene.material::<S::Space>(&previous);
+            let coverage = self.scene.coverage::<S::Space>(&previous, material);
             share = share * mix(Vec3::ONE, material.transmission, coverage);
             if material.flags & flags::VOLUME != 0 {
-                if self.scene.is_inside(ray, &previous) {
+                if self.scene.is_inside::<S::Space>(ray, &previous) {
                     share = share * material.transmittance(previous.t - entered);
                 } else {
                     entered = previous.t;
@@ -228,11 +228,11 @@ pub fn visible<S: Structure>(
         if hit.is_miss() {
             return hit;
         }
-        let material = scene.material(hit.primitive);
-        if material.flags & flags::SINGLE_SIDED != 0 && scene.is_inside(ray, &hit) {
+        let material = scene.material::<S::Space>(&hit);
+        if material.flags & flags::SINGLE_SIDED != 0 && scene.is_inside::<S::Space>(ray, &hit) {
             continue;
         }
-        if material.flags & (flags::MASK | flags::BLEND) == 0 || scene.coverage(&hit, material) > 0.0 {
+        if material.flags & (flags::MASK | flags::BLEND) == 0 || scene.coverage::<S::Space>(&hit, material) > 0.0 {
             return hit;
         }
     }
@@ -240,7 +240,7 @@ pub fn visible<S: Structure>(
 
 /// Puts the mirrored and the refracted ray aside, each with its share of `weight`.
 #[inline(always)]
-fn scatter(
+fn scatter<S: Space>(
     scene: &Scene,
     branch: &Branch,
     hit: &Hit,
@@ -254,11 +254,11 @@ fn scatter(
         return;
     }
     // Made again where it counts: nothing is kept alive while lights are asked for.
-    let tint = if material.flags & flags::METALLIC != 0 { scene.tint(hit, material) } else { Vec3::ONE };
+    let tint = if material.flags & flags::METALLIC != 0 { scene.tint::<S>(hit, material) } else { Vec3::ONE };
     let reflection = material.reflection * tint;
     let direction = branch.ray.direction;
     let eta = if surface.outside { 1.0 / material.ior } else { material.ior };
-    let (normal, refracted) = if transparent { bend(direction, surface, eta) } else { (surface.normal, None) };
+    let (normal, refracted) = if transparent { refraction(direction, surface, eta) } else { (surface.normal, None) };
     let cosine = -direction.dot(normal);
     let share = if transparent && refracted.is_none() {
         1.0
@@ -277,7 +277,7 @@ fn scatter(
     };
     if let Some(refracted) = refracted {
         let medium = match (material.flags & flags::VOLUME != 0, surface.outside) {
-            (true, true) => scene.medium(hit.primitive),
+            (true, true) => scene.medium::<S>(hit),
             (true, false) => 0,
             (false, _) => branch.medium(),
         };
@@ -296,7 +296,7 @@ fn scatter(
 /// The refracted direction and the normal that bends it: the shading normal, or the flat one where the shading normal
 /// would send the ray to the wrong side of the triangle or reflect it totally, although the triangle itself would not.
 #[inline(always)]
-fn bend(direction: Vec3, surface: &Surface, eta: f32) -> (Vec3, Option<Vec3>) {
+fn refraction(direction: Vec3, surface: &Surface, eta: f32) -> (Vec3, Option<Vec3>) {
     match refract(direction, surface.normal, eta) {
         Some(bent) if bent.dot(surface.geometric) < 0.0 => (surface.normal, Some(bent)),
         _ => (surface.geometric, refract(direction, surface.geometric, eta)),

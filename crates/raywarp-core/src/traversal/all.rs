@@ -3,10 +3,10 @@
 //! A structure may show a triangle more than once (a k-d tree does, and so does a hierarchy with spatial splits), and in
 //! no strict order. So the next few hits after a given one are collected into a small sorted buffer, which drops what it
 //! holds already; then the ray is traced again from the last of them, until a buffer is not full. What comes out is the
-//! same for every structure: sorted by distance, then by primitive.
+//! same for every structure: sorted by distance, then by instance and primitive.
 //!
 //! Where a buffer is full of hits at one distance, there may be thousands: coincident triangles, which no pass could
-//! leave out. Those are [numbered](coincident) by many primitives a pass.
+//! leave out. Those are [numbered](coincident), many a pass.
 
 use super::{Counter, Structure, Visitor, START};
 use crate::ray::{Hit, Ray, MISS};
@@ -34,7 +34,7 @@ impl Keep for Uncollected {
 
 /// Gives the first `limit` hits of a ray to `keep`, in order (see [`Hit::precedes`]), and returns their number.
 ///
-/// Two triangles at the same distance are two hits; what is shown twice with the same distance and primitive is one.
+/// Two triangles at the same distance are two hits; what is shown twice at the same distance is one.
 /// `K` hits are found in each pass through the structure, and held in registers.
 #[inline(always)]
 pub fn all<const K: usize>(
@@ -58,7 +58,7 @@ pub fn all<const K: usize>(
         previous = next[K - 1];
         if next[0].t == previous.t {
             found = coincident(structure, ray, &previous, found, limit, counter, keep);
-            previous.primitive = MISS;
+            (previous.instance, previous.primitive) = (MISS, MISS);
         }
     }
     found
@@ -67,31 +67,32 @@ pub fn all<const K: usize>(
 /// Gives `keep` all hits at the distance of `previous` that come after it, of which `found` hits come before, and returns
 /// the number with them.
 ///
-/// The primitives are taken window by window: a pass marks those that are hit, each once, however often the structure shows
+/// The triangles are taken window by window: a pass marks those that are hit, each once, however often the structure shows
 /// it; the marks before one say which hit it is, so a second pass can keep them in any order.
 #[cold]
 #[cfg_attr(target_arch = "nvptx64", inline(never))]
-fn coincident<RecordedStatistics: Keep>(
+fn coincident<K: Keep>(
     structure: &impl Structure,
     ray: &Ray,
     previous: &Hit,
     mut found: u32,
     limit: u32,
     counter: &mut impl Counter,
-    keep: &mut RecordedStatistics,
+    keep: &mut K,
 ) -> u32 {
-    let t = previous.t;
-    let ray = Ray { t_min: t, t_max: t, ..*ray };
-    let mut first = previous.primitive + 1;
-    while first != MISS && found < limit {
-        let mut window = Window { t, first, hit: [0; WORDS], beyond: MISS };
+    let ray = Ray { t_min: previous.t, t_max: previous.t, ..*ray };
+    let mut window = Window::new(previous.t, (previous.instance, previous.primitive + 1), WIDTH);
+    while found < limit {
         structure.traverse(&ray, counter, &mut window);
-        let count = window.before(WIDTH);
-        if RecordedStatistics::KEEPS && count > 0 {
+        let count = window.before(window.end());
+        if K::KEEPS && count > 0 {
             structure.traverse(&ray, counter, &mut Numbered { window: &window, found, limit, keep });
         }
         found += count.min(limit - found);
-        first = window.beyond;
+        match window.next(count) {
+            Some(next) => window = next,
+            None => break,
+        }
     }
     found
 }
@@ -99,27 +100,73 @@ fn coincident<RecordedStatistics: Keep>(
 /// Words of a window's marks: as much memory as a traversal's stack.
 const WORDS: usize = 64;
 
-/// Primitives of a window.
+/// Triangles of a window.
 const WIDTH: u32 = WORDS as u32 * 32;
 
-/// Which of some primitives in a row are hit at a distance.
+/// Which of some triangles in a row are hit at a distance: `row` primitives of an instance, then the first `row` of the next
+/// one, and so on.
 struct Window {
     t: f32,
-    /// The first of the primitives.
-    first: u32,
+    /// Instance and primitive of the first.
+    first: (u32, u32),
+    /// A power of two, at most [`WIDTH`].
+    row: u32,
     /// A bit each.
     hit: [u32; WORDS],
-    /// The first primitive behind them that is hit, or [`MISS`].
-    beyond: u32,
+    /// The first triangle that is hit and has no place here; [`MISS`] for none. What comes behind it is of no account.
+    beyond: (u32, u32),
 }
 
 impl Window {
-    /// How many of the first `end` primitives are hit.
+    #[inline(always)]
+    fn new(t: f32, first: (u32, u32), row: u32) -> Self {
+        Self { t, first, row, hit: [0; WORDS], beyond: (MISS, MISS) }
+    }
+
+    /// The place of a hit at the distance, from the window's first triangle on.
+    #[inline(always)]
+    fn place(&self, hit: &Hit) -> Option<u32> {
+        let rows = hit.instance - self.first.0;
+        let column = if rows == 0 { hit.primitive - self.first.1 } else { hit.primitive };
+        (column < self.row && rows < WIDTH / self.row).then(|| rows * self.row + column)
+    }
+
+    #[inline(always)]
+    fn takes(&self, hit: &Hit) -> bool {
+        hit.t == self.t && hit.id() >= self.first
+    }
+
+    /// Places of triangles that come before what is beyond are below this.
+    #[inline(always)]
+    fn end(&self) -> u32 {
+        let rows = self.beyond.0 - self.first.0;
+        if self.beyond.0 == MISS || rows >= WIDTH / self.row {
+            WIDTH
+        } else {
+            (rows + 1) * self.row
+        }
+    }
+
+    /// How many of the first `end` triangles are hit.
     #[inline(always)]
     fn before(&self, end: u32) -> u32 {
         let whole = self.hit.iter().take(end as usize / 32).map(|word| word.count_ones()).sum::<u32>();
         let part = self.hit.get(end as usize / 32).map_or(0, |word| (word & ((1 << (end % 32)) - 1)).count_ones());
         whole + part
+    }
+
+    /// The window of what is beyond this one, in which `count` were hit. Its rows are longer where this one's were too short,
+    /// and shorter where few places were taken: many instances may lie on each other as well as many triangles of one.
+    #[inline(always)]
+    fn next(&self, count: u32) -> Option<Self> {
+        let row = if self.beyond.0 == self.first.0 || self.beyond.1 >= self.row {
+            (self.row * 4).min(WIDTH)
+        } else if count < WIDTH / 4 {
+            (self.row / 4).max(1)
+        } else {
+            self.row
+        };
+        (self.beyond.0 != MISS).then(|| Self::new(self.t, self.beyond, row))
     }
 }
 
@@ -130,11 +177,11 @@ impl Visitor for Window {
     #[inline(always)]
     fn visit(&mut self, shear: &RayShear, triangle: &Triangle) -> f32 {
         triangle.if_hit(shear, |hit| {
-            if hit.t == self.t && hit.primitive >= self.first {
-                let place = hit.primitive - self.first;
-                match self.hit.get_mut(place as usize / 32) {
-                    Some(word) => *word |= 1 << (place % 32),
-                    None => self.beyond = self.beyond.min(hit.primitive),
+            if self.takes(&hit) {
+                match self.place(&hit) {
+                    Some(place) => self.hit[place as usize / 32] |= 1 << (place % 32),
+                    None if hit.id() < self.beyond => self.beyond = hit.id(),
+                    None => (),
                 }
             }
         });
@@ -143,30 +190,30 @@ impl Visitor for Window {
 }
 
 /// Keeps the hits of a window that is complete.
-struct Numbered<'a, RecordedStatistics> {
+struct Numbered<'a, K> {
     window: &'a Window,
     /// Hits before those of the window.
     found: u32,
     limit: u32,
-    keep: &'a mut RecordedStatistics,
+    keep: &'a mut K,
 }
 
-impl<RecordedStatistics: Keep> Visitor for Numbered<'_, RecordedStatistics> {
+impl<K: Keep> Visitor for Numbered<'_, K> {
     const ORDERED: bool = false;
     const ENDS: bool = false;
 
     #[inline(always)]
     fn visit(&mut self, shear: &RayShear, triangle: &Triangle) -> f32 {
-        let Window { t, first, .. } = *self.window;
         triangle.if_hit(shear, |hit| {
-            if hit.t == t && hit.primitive >= first && hit.primitive - first < WIDTH {
-                let index = self.found + self.window.before(hit.primitive - first);
+            let place = if self.window.takes(&hit) { self.window.place(&hit) } else { None };
+            if let Some(place) = place.filter(|&place| place < self.window.end()) {
+                let index = self.found + self.window.before(place);
                 if index < self.limit {
                     self.keep.keep(index, &hit);
                 }
             }
         });
-        t
+        self.window.t
     }
 }
 
@@ -198,7 +245,7 @@ impl<const K: usize> Collected<'_, K> {
     #[inline(always)]
     fn insert(&mut self, mut hit: Hit) {
         for place in &mut self.hits {
-            if hit.t == place.t && hit.primitive == place.primitive {
+            if hit.t == place.t && hit.id() == place.id() {
                 return;
             }
             if hit.precedes(place) {

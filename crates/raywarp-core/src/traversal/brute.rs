@@ -1,6 +1,6 @@
 //! Every triangle, for every ray: the paper's first version, and the oracle of all others.
 
-use super::{Counter, Structure, Visitor};
+use super::{Counter, MeshStructure, Structure, Visitor, WorldSpace};
 use crate::ray::Ray;
 use crate::triangle::{RayShear, Triangle};
 use crate::view::View;
@@ -15,6 +15,7 @@ pub struct Brute {
 
 impl Structure for Brute {
     const NAME: &'static str = "brute";
+    type Space = WorldSpace;
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
@@ -25,5 +26,15 @@ impl Structure for Brute {
                 return;
             }
         }
+    }
+}
+
+impl MeshStructure for Brute {
+    /// First triangle, and how many.
+    type Part = [u32; 2];
+
+    #[inline(always)]
+    fn part(&self, &[first, len]: &[u32; 2]) -> Self {
+        Self { triangles: self.triangles.part(first, len) }
     }
 }

@@ -1,7 +1,7 @@
 //! A binary bounding volume hierarchy with both child boxes in the parent (after Aila and Laine 2009).
 
 use super::binary::{walk, Boxes, Slab};
-use super::{Counter, Structure, Visitor};
+use super::{Counter, Structure, Visitor, WorldSpace};
 use crate::arch::{self, Meeting};
 use crate::math::Vec3;
 use crate::ray::Ray;
@@ -107,6 +107,7 @@ pub struct Bvh2 {
 
 impl Structure for Bvh2 {
     const NAME: &'static str = "bvh2";
+    type Space = WorldSpace;
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {

@@ -3,7 +3,7 @@
 use super::binary::walk;
 use super::bvh2::{Bvh2, Full};
 use super::bvh2_quantized::QuantizedBvh2;
-use super::{Counter, Structure, Visitor};
+use super::{Counter, Structure, Visitor, WorldSpace};
 use crate::arch;
 use crate::ray::Ray;
 
@@ -29,6 +29,7 @@ pub fn octant(ray: &Ray) -> u32 {
 
 impl Structure for DualBvh2 {
     const NAME: &'static str = "bvh";
+    type Space = WorldSpace;
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {

@@ -6,7 +6,7 @@
 
 use super::binary::{meeting, walk, Boxes, Slab};
 use super::bvh2::Child;
-use super::{Counter, Structure, Visitor};
+use super::{Counter, Structure, Visitor, WorldSpace};
 use crate::arch::{self, Meeting};
 use crate::math::Vec3;
 use crate::ray::Ray;
@@ -70,6 +70,7 @@ pub struct QuantizedBvh2 {
 
 impl Structure for QuantizedBvh2 {
     const NAME: &'static str = "bvh2c";
+    type Space = WorldSpace;
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {

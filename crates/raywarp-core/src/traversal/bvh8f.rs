@@ -6,7 +6,7 @@
 use super::binary::SLACK;
 use super::bvh2::Child;
 use super::slabs::Slabs;
-use super::{Counter, Structure, Visitor};
+use super::{Counter, Structure, Visitor, WorldSpace};
 use crate::arch;
 use crate::math::Vec3;
 use crate::packet::TrianglePacket;
@@ -59,6 +59,7 @@ struct Entry {
 
 impl Structure for Bvh8f {
     const NAME: &'static str = "bvh8f";
+    type Space = WorldSpace;
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {

@@ -1,6 +1,6 @@
 //! A k-d tree in a flat array, traversed with a stack (the paper's structure).
 
-use super::{Counter, Structure, Visitor};
+use super::{Counter, MeshStructure, Structure, Visitor, WorldSpace};
 use crate::arch;
 use crate::math::Vec3;
 use crate::ray::Ray;
@@ -94,6 +94,38 @@ pub struct KdTree {
     pub high: Vec3,
 }
 
+/// Where the tree of a mesh is among those of all meshes, and its bounds.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KdPart {
+    /// First node, and how many.
+    pub nodes: [u32; 2],
+    /// First reference, and how many.
+    pub references: [u32; 2],
+    /// First triangle, and how many.
+    pub triangles: [u32; 2],
+    /// See [`KdTree::low`].
+    pub low: Vec3,
+    /// See [`KdTree::high`].
+    pub high: Vec3,
+}
+
+impl MeshStructure for KdTree {
+    type Part = KdPart;
+
+    #[inline(always)]
+    fn part(&self, part: &KdPart) -> Self {
+        let &KdPart { nodes, references, triangles, low, high } = part;
+        Self {
+            nodes: self.nodes.part(nodes[0], nodes[1]),
+            references: self.references.part(references[0], references[1]),
+            triangles: self.triangles.part(triangles[0], triangles[1]),
+            low,
+            high,
+        }
+    }
+}
+
 /// A cell that a ray goes through: its node and the piece of the ray inside it.
 #[derive(Clone, Copy)]
 pub struct Cell {
@@ -151,6 +183,7 @@ impl Cell {
 
 impl Structure for KdTree {
     const NAME: &'static str = "kd";
+    type Space = WorldSpace;
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {

@@ -2,7 +2,7 @@
 //!
 //! A [`Structure`] hands every triangle that may matter to a visitor, roughly near to far, and the visitor answers how
 //! far the ray is still of interest. Every query is a few lines on top of that. The answer depends on the triangles
-//! alone, never on the structure: ties go to the smaller primitive, see [`Hit::precedes`].
+//! alone, never on the structure: ties go to the smaller instance and primitive, see [`Hit::precedes`].
 
 mod all;
 pub mod binary;
@@ -11,6 +11,7 @@ pub mod bvh2;
 pub mod bvh2_dual;
 pub mod bvh2_quantized;
 pub mod bvh8f;
+pub mod instances;
 pub mod kdtree;
 pub mod query;
 mod slabs;
@@ -25,6 +26,7 @@ pub use bvh2::Bvh2;
 pub use bvh2_dual::DualBvh2;
 pub use bvh2_quantized::QuantizedBvh2;
 pub use bvh8f::Bvh8f;
+pub use instances::{Instances, MeshStructure};
 pub use kdtree::KdTree;
 pub use two_level::TwoLevel;
 
@@ -36,9 +38,32 @@ pub trait Structure: Copy + Send + Sync {
     /// What the names of its kernels end in.
     const NAME: &'static str;
 
+    /// In which space the triangles of its hits are.
+    type Space: Space;
+
     /// Shows `visitor` each triangle that the ray might meet between its `t_min` and the distance that the last
     /// call returned, at first its `t_max`. A triangle may come more than once.
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor);
+}
+
+/// In which space the triangles of hits are, as shading finds them by instance and primitive.
+pub trait Space {
+    /// Whether an instance may have to be brought to world space.
+    const OF_MESH: bool;
+}
+
+/// All triangles are in world space: shading costs nothing for instances.
+pub struct WorldSpace;
+
+/// Meshes that are placed by a transform are in a space of their own.
+pub struct MeshSpace;
+
+impl Space for WorldSpace {
+    const OF_MESH: bool = false;
+}
+
+impl Space for MeshSpace {
+    const OF_MESH: bool = true;
 }
 
 /// Who looks at the triangles of a traversal. Not a closure: those are inlined as the compiler sees fit, and a visitor
@@ -210,7 +235,7 @@ impl Visitor for Nearest<'_> {
 }
 
 /// Before every hit.
-pub const START: Hit = Hit { t: f32::NEG_INFINITY, u: 0.0, v: 0.0, primitive: MISS };
+pub const START: Hit = Hit { t: f32::NEG_INFINITY, u: 0.0, v: 0.0, primitive: MISS, instance: MISS };
 
 /// What stands between the ends of a shadow ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,13 +1,16 @@
 //! What is asked of a ray.
 
 use super::{NullStatistics, Structure, Visitor, ENOUGH};
-use crate::ray::{Hit, Ray};
+use crate::ray::{Hit, HitArrays, Ray};
 use crate::triangle::{RayShear, Triangle};
+use crate::view::ViewMut;
 
 /// A question about one ray, while it is being answered. Every triangle counts as opaque.
 pub trait Query: Visitor {
-    /// One a ray, as kernels write it.
+    /// One a ray.
     type Answer: Copy + Send + Sync;
+    /// Where the answers of a batch go.
+    type Answers: Copy + Send + Sync;
     /// The question about a ray.
     fn about(ray: &Ray) -> Self;
     /// What the triangles seen so far say.
@@ -15,6 +18,11 @@ pub trait Query: Visitor {
     /// What a hit says that is found some other way: the first one, or where the visitor is not
     /// [`ORDERED`](Visitor::ORDERED) any one.
     fn from_hit(hit: Hit) -> Self::Answer;
+    /// Writes the answer to ray `index`.
+    ///
+    /// # Safety
+    /// No other thread has this index.
+    unsafe fn write(answers: &Self::Answers, index: u32, answer: Self::Answer);
 }
 
 /// The answer about a ray.
@@ -47,6 +55,7 @@ impl Visitor for ClosestHit {
 
 impl Query for ClosestHit {
     type Answer = Hit;
+    type Answers = HitArrays;
 
     #[inline(always)]
     fn about(ray: &Ray) -> Self {
@@ -65,6 +74,12 @@ impl Query for ClosestHit {
     #[inline(always)]
     fn from_hit(hit: Hit) -> Hit {
         hit
+    }
+
+    #[inline(always)]
+    unsafe fn write(answers: &HitArrays, index: u32, answer: Hit) {
+        // SAFETY: the caller's promise.
+        unsafe { answers.set(index, &answer) };
     }
 }
 
@@ -91,6 +106,7 @@ impl Visitor for AnyHit {
 
 impl Query for AnyHit {
     type Answer = u32;
+    type Answers = ViewMut<u32>;
 
     #[inline(always)]
     fn about(ray: &Ray) -> Self {
@@ -105,5 +121,11 @@ impl Query for AnyHit {
     #[inline(always)]
     fn from_hit(hit: Hit) -> u32 {
         !hit.is_miss() as u32
+    }
+
+    #[inline(always)]
+    unsafe fn write(answers: &ViewMut<u32>, index: u32, answer: u32) {
+        // SAFETY: the caller's promise.
+        unsafe { answers.set(index, answer) };
     }
 }

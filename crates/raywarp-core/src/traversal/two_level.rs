@@ -17,7 +17,7 @@
 
 use super::bvh2::{Child, Node, MAX_DEPTH, MAX_INDEX, MAX_LEAF};
 use super::slabs::{descend, Slabs};
-use super::{Counter, Structure, Visitor};
+use super::{Counter, MeshSpace, Structure, Visitor};
 use crate::arch;
 use crate::math::{vec3, Vec3};
 use crate::ray::{Ray, MISS};
@@ -28,8 +28,8 @@ use crate::view::View;
 /// Levels that the upper tree may have; a mesh's tree may have [`MAX_DEPTH`].
 pub const MAX_UPPER_DEPTH: usize = 32;
 
-/// Bit of [`Instance::flags`]: the transform mirrors, so vertices 1 and 2 change places to keep the outside outside.
-pub const MIRRORED: u32 = 1 << 31;
+/// Bit of [`Instance::flags`]: these are triangles in world space, of several instances of the scene, and say of which.
+pub const BAKED: u32 = 1 << 30;
 
 /// A mesh in the world.
 #[repr(C, align(64))]
@@ -39,11 +39,11 @@ pub struct Instance {
     pub rows: [[f32; 4]; 3],
     /// Root of the mesh's tree.
     pub root: Child,
-    /// What is added to the mesh's primitives.
-    pub first_primitive: u32,
+    /// Index of the instance in the scene.
+    pub index: u32,
     /// Which of [`Triangle::flags`] stay as the mesh has them.
     pub keep: u32,
-    /// Flags of every triangle, and [`MIRRORED`].
+    /// Flags of every triangle, and [`BAKED`].
     pub flags: u32,
 }
 
@@ -67,6 +67,7 @@ const RETURN: Child = Child::leaf(MAX_INDEX, MAX_LEAF);
 
 impl Structure for TwoLevel {
     const NAME: &'static str = "two_level";
+    type Space = MeshSpace;
 
     #[inline(always)]
     fn traverse(&self, world: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
@@ -111,7 +112,7 @@ impl Structure for TwoLevel {
 /// Whether the ray is finite and leads anywhere. One that does not would be let into every box there is, and into those
 /// of a mesh again and again: with a thousand million triangles a single NaN would be a hang.
 #[inline(always)]
-fn may_hit(ray: &Ray) -> bool {
+pub(super) fn may_hit(ray: &Ray) -> bool {
     // NaN and infinity times zero are NaN.
     ray.origin.dot(Vec3::ZERO) + ray.direction.dot(Vec3::ZERO) == 0.0 && ray.direction.max_abs() >= f32::MIN_POSITIVE
 }
@@ -129,10 +130,15 @@ impl Instance {
     pub const IDENTITY: Self = Self {
         rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
         root: Child::node(0),
-        first_primitive: 0,
+        index: 0,
         keep: flags::CUTOUT | flags::TRANSPARENT,
-        flags: 0,
+        flags: BAKED,
     };
+
+    /// Whether its triangles are in world space, and say of which instance they are.
+    pub fn is_baked(&self) -> bool {
+        self.flags & BAKED != 0
+    }
 
     /// A ray of the world in the space of the mesh.
     #[inline(always)]
@@ -147,36 +153,32 @@ impl Instance {
 
 /// Where a ray is, and what that means for a triangle.
 #[derive(Clone, Copy)]
-struct Place {
+pub(super) struct Place {
     /// Of the instance; [`MISS`] in the world.
-    first_primitive: u32,
+    index: u32,
     keep: u32,
     flags: u32,
 }
 
 impl Place {
-    const WORLD: Self = Self { first_primitive: MISS, keep: 0, flags: 0 };
+    const WORLD: Self = Self { index: MISS, keep: 0, flags: 0 };
 
     #[inline(always)]
-    fn of(instance: &Instance) -> Self {
-        Self { first_primitive: instance.first_primitive, keep: instance.keep, flags: instance.flags }
+    pub fn of(instance: &Instance) -> Self {
+        Self { index: instance.index, keep: instance.keep, flags: instance.flags }
     }
 
     #[inline(always)]
     fn is_world(&self) -> bool {
-        self.first_primitive == MISS
+        self.index == MISS
     }
 
     /// A triangle of the mesh as one of the scene.
     #[inline(always)]
-    fn put(&self, triangle: Triangle) -> Triangle {
-        let Triangle { v1, v2, .. } = triangle;
-        let (v1, v2) = if self.flags & MIRRORED != 0 { (v2, v1) } else { (v1, v2) };
+    pub fn put(&self, triangle: Triangle) -> Triangle {
         Triangle {
-            v1,
-            v2,
-            primitive: self.first_primitive.wrapping_add(triangle.primitive),
-            flags: triangle.flags & self.keep | self.flags & !MIRRORED,
+            flags: triangle.flags & self.keep | self.flags & !BAKED,
+            instance: if self.flags & BAKED != 0 { triangle.instance } else { self.index },
             ..triangle
         }
     }

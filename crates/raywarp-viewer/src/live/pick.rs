@@ -3,7 +3,7 @@
 use std::fmt;
 
 use glam::Vec3;
-use raywarp::query::Geometries;
+use raywarp::query::{intersect, world_triangle};
 use raywarp::render::{self, RenderError, RenderOptions, Tracer};
 use raywarp::scene::{Camera, Mesh, Scene};
 use raywarp::{Hit, Ray};
@@ -50,30 +50,27 @@ impl Pick {
         let crop = Some([x, y, x.saturating_add(1), y.saturating_add(1)]);
         let first_hits = tracer.layers(camera, &RenderOptions { size, crop, ..RenderOptions::default() })?;
         let ray = render::ray(camera, size, [x as f32 + 0.5, y as f32 + 0.5])?;
-        let geometries = Geometries::placed(meshes, &scene.instances);
         Ok(first_hits.first().and_then(|first_hit| {
-            let hit = geometries.meet(meshes, &scene.instances, &ray, first_hit.primitive)?;
-            Self::of(meshes, scene, &geometries, &ray, &hit)
+            let id = [first_hit.instance, first_hit.primitive];
+            Self::of(meshes, scene, &ray, &intersect(meshes, &scene.instances, &ray, id)?)
         }))
     }
 
-    /// Of a hit that a ray found in a scene; nothing for a miss, and for a hit in another scene. `geometries` are those of
-    /// the meshes and the scene's instances.
-    pub fn of(meshes: &[Mesh], scene: &Scene, geometries: &Geometries, ray: &Ray, hit: &Hit) -> Option<Self> {
-        let (index, own) = geometries.locate(hit.primitive);
-        let instance = scene.instances.get(index as usize)?;
+    /// Of a hit that a ray found in a scene; nothing for a miss, and for a hit in another scene.
+    pub fn of(meshes: &[Mesh], scene: &Scene, ray: &Ray, hit: &Hit) -> Option<Self> {
+        let Hit { u, v, primitive, .. } = *hit;
+        let instance = scene.instances.get(hit.instance as usize)?;
         let mesh = meshes.get(instance.mesh)?;
-        let material = instance.material.or(mesh.materials.get(own as usize).copied())? as usize;
-        let triangle = geometries.triangle(meshes, &scene.instances, hit.primitive)?;
-        let [u, v] = geometries.barycentrics(hit);
+        let material = instance.material.or(mesh.materials.get(primitive as usize).copied())? as usize;
+        let triangle = world_triangle(meshes, &scene.instances, hit.instance, primitive)?;
         let [v0, v1, v2] = [triangle.v0, triangle.v1, triangle.v2].map(|corner| Vec3::from(corner.to_array()));
         let direction = Vec3::from(ray.direction.to_array());
         let normal = face_normal([v0, v1, v2]);
-        let corners = v0 * (1.0 - hit.u - hit.v) + v1 * hit.u + v2 * hit.v;
+        let corners = v0 * (1.0 - u - v) + v1 * u + v2 * v;
         Some(Self {
-            instance: index as usize,
+            instance: hit.instance as usize,
             mesh: instance.mesh,
-            triangle: own,
+            triangle: primitive,
             material,
             distance: Some(hit.t),
             weights: [1.0 - u - v, u, v],
@@ -263,10 +260,9 @@ mod tests {
     #[test]
     fn lines_name_what_has_a_name() {
         let scene = scene();
-        let geometries = Geometries::of(&scene);
         let ray = Ray::new([-0.5, 0.2, 5.0].into(), [0.0, 0.0, -2.0].into());
-        let hit = geometries.meet(&scene.meshes, &scene.instances, &ray, 2).unwrap();
-        let pick = Pick::of(&scene.meshes, &scene, &geometries, &ray, &hit).unwrap();
+        let hit = intersect(&scene.meshes, &scene.instances, &ray, [2, 0]).unwrap();
+        let pick = Pick::of(&scene.meshes, &scene, &ray, &hit).unwrap();
         let lines = pick.lines();
         let value = |what: &str| lines.iter().find(|line| line.0 == what).map(|line| line.1.as_str());
         assert_eq!(value("instance"), Some("2 'mirrored'"));
@@ -274,8 +270,8 @@ mod tests {
         assert_eq!(value("distance"), Some("2.5000"));
         assert_eq!(value("position"), Some("-0.50000, 0.20000, 0"));
         assert_eq!(value("normal"), Some("0.000, 0.000, 1.000"));
-        assert_eq!(Pick::of(&scene.meshes, &scene, &geometries, &ray, &Hit::NONE), None);
-        assert_eq!(Pick::of(&[], &Scene::default(), &geometries, &ray, &hit), None);
+        assert_eq!(Pick::of(&scene.meshes, &scene, &ray, &Hit::NONE), None);
+        assert_eq!(Pick::of(&[], &Scene::default(), &ray, &hit), None);
     }
 
     #[test]

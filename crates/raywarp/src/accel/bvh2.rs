@@ -97,7 +97,7 @@ impl Bvh2 {
     }
 
     fn duplicates(&self) -> usize {
-        let mut primitives: Vec<u32> = self.triangles.par_iter().map(|triangle| triangle.primitive).collect();
+        let mut primitives: Vec<(u32, u32)> = self.triangles.par_iter().map(|t| (t.instance, t.primitive)).collect();
         primitives.par_sort_unstable();
         primitives.windows(2).filter(|pair| pair[0] == pair[1]).count()
     }

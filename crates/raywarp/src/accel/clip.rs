@@ -100,7 +100,7 @@ impl Polygon {
         let (low, high) = self.corners().iter().fold((first, first), |(low, high), corner| {
             ([0, 1, 2].map(|i| f64::min(low[i], corner[i])), [0, 1, 2].map(|i| f64::max(high[i], corner[i])))
         });
-        Bounds::padded(low.map(rounded_down), high.map(|x| -rounded_down(-x)), triangle.extent)
+        Bounds::padded(low.map(rounded_down), high.map(|x| -rounded_down(-x)), triangle.extent())
     }
 }
 

@@ -54,20 +54,7 @@ impl<'a> Parts<'a> {
 
 fn key(triangle: &Triangle) -> Key {
     let [a, b, c] = [triangle.v0, triangle.v1, triangle.v2].map(|v| v.to_array().map(f32::to_bits));
-    [
-        a[0],
-        a[1],
-        a[2],
-        b[0],
-        b[1],
-        b[2],
-        c[0],
-        c[1],
-        c[2],
-        triangle.primitive,
-        triangle.flags,
-        triangle.extent.to_bits(),
-    ]
+    [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2], triangle.primitive, triangle.flags, triangle.instance]
 }
 
 /// A box in double precision.
@@ -129,7 +116,7 @@ fn covered(triangle: &Triangle, parts: &[Part]) -> bool {
     if !is_finite(triangle) {
         return true;
     }
-    let spaces: Vec<Space> = parts.iter().map(|part| Space::inside(&part.bounds, triangle.extent)).collect();
+    let spaces: Vec<Space> = parts.iter().map(|part| Space::inside(&part.bounds, triangle.extent())).collect();
     let mut bare = vec![(Polygon::of(triangle), (0..spaces.len()).collect::<Vec<_>>())];
     while let Some((piece, near)) = bare.pop() {
         let middle = piece.middle();

@@ -16,14 +16,6 @@ pub enum BuildError {
         /// Most that fit.
         limit: u32,
     },
-    /// Hits name triangles by 32 bits, of which the largest number is the name of a miss.
-    #[error("the instances have {has} triangles in all, more than the {limit} that hits can tell apart; place fewer")]
-    TooManyPrimitives {
-        /// Triangles of all instances up to the one that is too many.
-        has: u64,
-        /// Most that can be named.
-        limit: u32,
-    },
     /// Links between two levels have too few bits.
     #[error("the scene has {has} {what}, more than the {limit} that a structure of two levels can index")]
     TooManyLinks {

@@ -189,7 +189,7 @@ impl Walk<'_> {
         let triangle = &self.tree.triangles[triangle as usize];
         // The box alone tells where there is but one side. So does a plane beside the cell, which leaves one of no size.
         match sides {
-            [true, true] => Space::around(&cells[side], triangle.extent).meets(triangle),
+            [true, true] => Space::around(&cells[side], triangle.extent()).meets(triangle),
             sides => sides[side],
         }
     }

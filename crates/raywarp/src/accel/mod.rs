@@ -39,6 +39,7 @@ pub mod kdtree_arrays;
 pub mod kdtree_median;
 mod kind;
 mod leaves;
+mod placements;
 mod reinsertion;
 mod resident;
 mod spatial;

@@ -38,6 +38,7 @@ impl<'a, S: Structure> Borrowed<'a, S> {
 
 impl<S: Structure> Structure for Borrowed<'_, S> {
     const NAME: &'static str = S::NAME;
+    type Space = S::Space;
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {

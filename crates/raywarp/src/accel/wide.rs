@@ -154,7 +154,7 @@ struct Walk<'a, L> {
     /// Whether the leaf has all of the triangle.
     whole: Vec<bool>,
     /// Triangles that stick out of a leaf, by their bits.
-    parts: HashMap<[u32; 10], Parts>,
+    parts: HashMap<[u32; 11], Parts>,
 }
 
 impl<L: Layout> Walk<'_, L> {
@@ -232,10 +232,11 @@ pub fn in_range(tree: &impl Layout, node: u32, link: Link) -> Result<(), Invalid
     Ok(())
 }
 
-fn bits(triangle: &Triangle) -> [u32; 10] {
+fn bits(triangle: &Triangle) -> [u32; 11] {
     let corners = [triangle.v0, triangle.v1, triangle.v2].map(|v| v.to_array().map(f32::to_bits));
-    let mut bits = [triangle.primitive; 10];
-    bits[1..].copy_from_slice(corners.as_flattened());
+    let mut bits = [triangle.primitive; 11];
+    bits[1] = triangle.instance;
+    bits[2..].copy_from_slice(corners.as_flattened());
     bits
 }
 

@@ -90,6 +90,7 @@ fn layer_channels(layers: &Layers, layer: Layer) -> Result<Vec<Channel>, ImageEr
         Layer::Uv => vec![first_hits.float("U", |s| s.uv[0]), first_hits.float("V", |s| s.uv[1])],
         Layer::Position => first_hits.vector(["X", "Y", "Z"], |s| s.position),
         Layer::Primitive => vec![first_hits.index("ID", |s| s.primitive)],
+        Layer::Instance => vec![first_hits.index("ID", |s| s.instance)],
         Layer::Material => vec![first_hits.index("ID", |s| s.material)],
         Layer::Tests => test_channels(layers.tests.as_deref().ok_or(ImageError::NoLayer(layer))?),
     })

@@ -32,7 +32,11 @@ pub fn draw(layers: &Layers, layer: Layer) -> Result<(Rgb8, String), ImageError>
             (picture, "fractional part of u is red, of v is green".to_owned())
         }
         Layer::Position => position(layers),
-        Layer::Primitive => (draw_aov(layers, |s| colors::index(s.primitive)), "a colour for each triangle".to_owned()),
+        Layer::Primitive => {
+            let triangle = |s: &FirstHit| colors::triangle(s.instance, s.primitive);
+            (draw_aov(layers, triangle), "a colour for each triangle".to_owned())
+        }
+        Layer::Instance => (draw_aov(layers, |s| colors::index(s.instance)), "a colour for each instance".to_owned()),
         Layer::Material => (draw_aov(layers, |s| colors::index(s.material)), "a colour for each material".to_owned()),
         Layer::Tests => {
             let tests = layers.tests.as_deref().ok_or(ImageError::NoLayer(layer))?;

@@ -16,8 +16,10 @@ pub enum Layer {
     Uv,
     /// World position.
     Position,
-    /// Index of the triangle.
+    /// Index of the triangle in its mesh.
     Primitive,
+    /// Index of the instance in the scene.
+    Instance,
     /// Index of the material.
     Material,
     /// Nodes visited, triangles tested and rays traced for the pixel.
@@ -26,13 +28,14 @@ pub enum Layer {
 
 impl Layer {
     /// Every layer, in the order of the documentation.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Depth,
         Self::Normal,
         Self::Albedo,
         Self::Uv,
         Self::Position,
         Self::Primitive,
+        Self::Instance,
         Self::Material,
         Self::Tests,
     ];
@@ -46,6 +49,7 @@ impl Layer {
             Self::Uv => "uv",
             Self::Position => "position",
             Self::Primitive => "primitive",
+            Self::Instance => "instance",
             Self::Material => "material",
             Self::Tests => "tests",
         }

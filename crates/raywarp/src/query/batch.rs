@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use super::device::{Answer, Any, Closest, Count};
 use super::launch::{Collect, Request};
-use super::{AllHits, Hits, QueryError, RayCaster};
+use super::{AllHits, HitBuffers, Hits, QueryError, RayCaster};
 use crate::device::Buffer;
 use crate::{Hit, Ray};
 
@@ -16,7 +16,7 @@ const MOST_RAYS: usize = 1 << 24;
 const MOST_HITS: usize = 1 << 26;
 
 /// Bytes of a ray, and of an answer at most.
-const BYTES_A_RAY: u64 = 32 + 16;
+const BYTES_A_RAY: u64 = (size_of::<Ray>() + HitBuffers::HIT) as u64;
 
 /// How far a batch is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,10 +64,9 @@ impl<'a> Batch<'a> {
     /// # Errors
     /// The device fails, has no room, or the watcher ends the work.
     pub fn closest(self) -> Result<Hits, QueryError> {
-        let (rays, caster) = (self.rays.len(), self.caster);
         let mut hits = Hits::default();
-        hits.reserve(rays);
-        self.each_hit(|found| hits.extend(&found, caster.geometries()))?;
+        hits.reserve(self.rays.len());
+        self.each_hit(|found| hits.extend(&found))?;
         Ok(hits)
     }
 
@@ -161,7 +160,7 @@ impl<'a> Batch<'a> {
         let caster = self.caster.suited_to(self.rays, Closest::new)?;
         self.passes(|_, rays| {
             let (seconds, answer) = answered(&caster, rays, Closest::new(caster.device(), rays.len() as u32)?)?;
-            take(answer.hits.download()?);
+            take(answer.hits.to_vec()?);
             Ok(seconds)
         })
     }
@@ -192,7 +191,7 @@ impl<'a> Batch<'a> {
 
     /// Hits that may be on the device at once, beside the rays.
     fn room_for_hits(&self) -> Result<usize, QueryError> {
-        Ok(self.fitting(2 * size_of::<Hit>() as u64)?.min(MOST_HITS))
+        Ok(self.fitting(2 * HitBuffers::HIT as u64)?.min(MOST_HITS))
     }
 
     /// Items of so many bytes that fit in half of the memory that is free; at least one.
@@ -234,19 +233,19 @@ fn fill(caster: &RayCaster, rays: &Buffer<Ray>, counts: &[u32]) -> Result<(f64, 
     });
     let offsets: Vec<u64> = std::iter::once(0).chain(ends).collect();
     let total = offsets[counts.len()] as usize;
-    caster.device().reserve((total * size_of::<Hit>()) as u64, "the hits of a batch")?;
-    let mut hits = caster.device().zeroed::<Hit>(total)?;
+    caster.device().reserve((total * HitBuffers::HIT) as u64, "the hits of a batch")?;
+    let mut hits = HitBuffers::new(caster.device(), total)?;
     // Less than 2^32, or there were no such buffer.
     let places: Vec<u32> = offsets.iter().map(|&offset| offset as u32).collect();
     let places = caster.device().upload(&places)?;
     let mut seen = caster.device().zeroed::<u32>(counts.len())?;
-    let (counts, hits_view) = (seen.view_mut(), hits.view_mut());
-    let request = Request::Collect(Collect::All { offsets: places.view(), limit: 0, counts, hits: hits_view });
+    let (counts, arrays) = (seen.view_mut(), hits.arrays());
+    let request = Request::Collect(Collect::All { offsets: places.view(), limit: 0, counts, hits: arrays });
     // SAFETY: all buffers are made here or by the caller on the caster's device and held until the launch is over. The
     // places ascend to the length of `hits`, so each ray has items of its own.
     let seconds = unsafe { caster.launch(rays.view(), request, None) }?.wait()?;
     let mut found = Hits::default();
-    found.extend(&hits.download()?, caster.geometries());
+    found.extend(&hits.to_vec()?);
     Ok((seconds, AllHits { offsets, hits: found }))
 }
 

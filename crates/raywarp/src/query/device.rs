@@ -32,9 +32,9 @@ use raywarp_core::view::{Plain, View};
 use raywarp_device::kernels::Views;
 
 use super::launch::{Collect, Fill, Find, Launched, Request};
-use super::{QueryError, RayCaster};
+use super::{HitBuffers, QueryError, RayCaster};
 use crate::device::{Buffer, Device, DeviceError, Stream};
-use crate::{Hit, Ray};
+use crate::Ray;
 
 /// Room for the answers to a batch: one of this module's structs.
 pub trait Answer: Fill {}
@@ -43,7 +43,7 @@ pub trait Answer: Fill {}
 #[derive(Debug)]
 pub struct Closest {
     /// One a ray.
-    pub hits: Buffer<Hit>,
+    pub hits: HitBuffers,
 }
 
 /// Whether each ray hits anything at all.
@@ -70,7 +70,7 @@ pub struct All {
     /// How many there are of each ray, at most `limit`.
     pub counts: Buffer<u32>,
     /// Those of ray `i` from `i * limit` on, as many as `counts` says; the rest of each row is as it was.
-    pub hits: Buffer<Hit>,
+    pub hits: HitBuffers,
 }
 
 impl Closest {
@@ -79,7 +79,7 @@ impl Closest {
     /// # Errors
     /// The device has no room.
     pub fn new(device: &Device, rays: u32) -> Result<Self, DeviceError> {
-        Ok(Self { hits: device.zeroed(rays as usize)? })
+        Ok(Self { hits: HitBuffers::new(device, rays as usize)? })
     }
 }
 
@@ -109,7 +109,7 @@ impl All {
     /// # Errors
     /// The device has no room, or they are 2^32 or more.
     pub fn new(device: &Device, rays: u32, limit: u32) -> Result<Self, DeviceError> {
-        let hits = device.zeroed(rays as usize * limit as usize)?;
+        let hits = HitBuffers::new(device, rays as usize * limit as usize)?;
         Ok(Self { limit, counts: device.zeroed(rays as usize)?, hits })
     }
 }
@@ -197,7 +197,7 @@ impl RayCaster {
 }
 
 /// Whether a buffer is on the device and has so many items.
-fn check<T: Plain>(
+pub(super) fn check<T: Plain>(
     buffer: &Buffer<T>,
     what: &'static str,
     device: &Device,
@@ -219,11 +219,11 @@ impl Answer for All {}
 
 impl Fill for Closest {
     fn check(&self, device: &Device, rays: u32) -> Result<(), QueryError> {
-        check(&self.hits, "hits", device, rays, 1)
+        self.hits.check(device, rays, 1)
     }
 
     fn request(&mut self) -> Request {
-        Request::Find(Find::Closest { hits: self.hits.view_mut() })
+        Request::Find(Find::Closest { hits: self.hits.arrays() })
     }
 }
 
@@ -250,11 +250,11 @@ impl Fill for Count {
 impl Fill for All {
     fn check(&self, device: &Device, rays: u32) -> Result<(), QueryError> {
         check(&self.counts, "counts", device, rays, 1)?;
-        check(&self.hits, "hits", device, rays, self.limit)
+        self.hits.check(device, rays, self.limit)
     }
 
     fn request(&mut self) -> Request {
-        let (counts, hits) = (self.counts.view_mut(), self.hits.view_mut());
+        let (counts, hits) = (self.counts.view_mut(), self.hits.arrays());
         Request::Collect(Collect::All { offsets: View::EMPTY, limit: self.limit, counts, hits })
     }
 }

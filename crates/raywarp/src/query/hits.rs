@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use super::Geometries;
 use crate::Hit;
 #[cfg(doc)]
 use crate::MISS;
@@ -42,11 +41,11 @@ impl Hits {
     }
 
     /// Adds what a kernel found.
-    pub(super) fn extend(&mut self, found: &[Hit], geometries: &Geometries) {
+    pub(super) fn extend(&mut self, found: &[Hit]) {
         self.t.par_extend(found.par_iter().map(|hit| hit.t));
-        self.primitive.par_extend(found.par_iter().map(|hit| geometries.locate(hit.primitive).1));
-        self.geometry.par_extend(found.par_iter().map(|hit| geometries.locate(hit.primitive).0));
-        self.uv.par_extend(found.par_iter().map(|hit| geometries.barycentrics(hit)));
+        self.primitive.par_extend(found.par_iter().map(|hit| hit.primitive));
+        self.geometry.par_extend(found.par_iter().map(|hit| hit.instance));
+        self.uv.par_extend(found.par_iter().map(|hit| [hit.u, hit.v]));
     }
 
     /// Adds the items of `more` at the end.

@@ -3,18 +3,19 @@
 use std::any::Any;
 
 use raywarp_core::kernels::{All, Closest, Count, Occluded};
+use raywarp_core::ray::HitArrays;
 use raywarp_core::traversal::QuantizedBvh2;
 use raywarp_core::view::{View, ViewMut};
 use raywarp_device::kernels::Launchable;
 
 use crate::accel::Resident;
-use crate::{Hit, Ray};
+use crate::Ray;
 
 /// A structure on a device, with a kernel for each question. What is dynamic ends where a kernel is launched: each is compiled
 /// for its structure.
 pub(crate) trait QueryKernels: Any + Send + Sync {
     /// See [`Closest`].
-    fn closest(&self, rays: View<Ray>, hits: ViewMut<Hit>) -> Box<dyn Launchable>;
+    fn closest(&self, rays: View<Ray>, hits: HitArrays) -> Box<dyn Launchable>;
 
     /// See [`Occluded`].
     fn occluded(&self, rays: View<Ray>, occluded: ViewMut<u32>) -> Box<dyn Launchable>;
@@ -29,7 +30,7 @@ pub(crate) trait QueryKernels: Any + Send + Sync {
         offsets: View<u32>,
         limit: u32,
         counts: ViewMut<u32>,
-        hits: ViewMut<Hit>,
+        hits: HitArrays,
     ) -> Box<dyn Launchable>;
 
     /// See [`Resident::persistent`].
@@ -37,7 +38,7 @@ pub(crate) trait QueryKernels: Any + Send + Sync {
 }
 
 impl<R: Resident> QueryKernels for R {
-    fn closest(&self, rays: View<Ray>, hits: ViewMut<Hit>) -> Box<dyn Launchable> {
+    fn closest(&self, rays: View<Ray>, hits: HitArrays) -> Box<dyn Launchable> {
         Box::new(Closest { structure: self.short(), rays, hits })
     }
 
@@ -55,7 +56,7 @@ impl<R: Resident> QueryKernels for R {
         offsets: View<u32>,
         limit: u32,
         counts: ViewMut<u32>,
-        hits: ViewMut<Hit>,
+        hits: HitArrays,
     ) -> Box<dyn Launchable> {
         Box::new(All { structure: self.long(), rays, offsets, limit, counts, hits })
     }

@@ -2,6 +2,7 @@
 
 use raywarp_core::kernels::Kernel;
 use raywarp_core::persistent::Persistent;
+use raywarp_core::ray::HitArrays;
 use raywarp_core::traversal::query::{AnyHit, ClosestHit, Query};
 use raywarp_core::traversal::QuantizedBvh2;
 use raywarp_core::view::{View, ViewMut};
@@ -9,7 +10,7 @@ use raywarp_device::kernels::{Launch, Launchable, Views};
 
 use super::{Coherence, QueryError, RayCaster};
 use crate::device::{Buffer, Device, DeviceError, Stream};
-use crate::{Hit, Ray};
+use crate::Ray;
 
 /// What a kernel is asked, and where its answers go.
 #[derive(Clone, Copy)]
@@ -21,7 +22,7 @@ pub enum Request {
 /// What one traversal answers.
 #[derive(Clone, Copy)]
 pub enum Find {
-    Closest { hits: ViewMut<Hit> },
+    Closest { hits: HitArrays },
     Any { blocked: ViewMut<u32> },
 }
 
@@ -29,7 +30,7 @@ pub enum Find {
 #[derive(Clone, Copy)]
 pub enum Collect {
     Count { limit: u32, counts: ViewMut<u32> },
-    All { offsets: View<u32>, limit: u32, counts: ViewMut<u32>, hits: ViewMut<Hit> },
+    All { offsets: View<u32>, limit: u32, counts: ViewMut<u32>, hits: HitArrays },
 }
 
 /// What answers can do. Not for other crates: kernels trust it.
@@ -107,7 +108,7 @@ pub fn persistent<Q: Query>(
     device: &Device,
     tree: QuantizedBvh2,
     rays: View<Ray>,
-    answers: ViewMut<Q::Answer>,
+    answers: Q::Answers,
     numbers: &mut Buffer<u32>,
 ) -> Result<(Persistent<Q>, u32), DeviceError>
 where
@@ -165,6 +166,7 @@ mod tests {
     use super::*;
     use crate::accel::{AccelKind, Build, Quality};
     use crate::device::DeviceChoice;
+    use crate::query::HitBuffers;
     use crate::{Triangle, Vec3};
 
     fn point(size: f32) -> impl Strategy<Value = Vec3> {
@@ -211,12 +213,12 @@ mod tests {
             let tree = caster.structure().quantized().unwrap();
             let batch = device.upload(&rays).unwrap();
             let mut numbers = device.zeroed(Persistent::<ClosestHit>::NUMBERS).unwrap();
-            let mut hits = device.zeroed::<Hit>(rays.len()).unwrap();
+            let mut hits = HitBuffers::new(&device, rays.len()).unwrap();
             let mut blocked = device.zeroed::<u32>(rays.len()).unwrap();
             // Twice, for what the first launch leaves behind.
             for _ in 0..2 {
                 let (kernel, threads) =
-                    persistent::<ClosestHit>(&device, tree, batch.view(), hits.view_mut(), &mut numbers).unwrap();
+                    persistent::<ClosestHit>(&device, tree, batch.view(), hits.arrays(), &mut numbers).unwrap();
                 // SAFETY: the buffers are held until the launch is over, which is when this returns.
                 unsafe { device.launch(&kernel, [threads, 1]) }.unwrap();
                 let (kernel, threads) =

@@ -14,10 +14,10 @@ pub mod device;
 mod error;
 pub mod files;
 mod geometry;
+mod hit_buffers;
 mod hits;
 pub(crate) mod kernels;
 mod launch;
-mod levels;
 mod ray_kind;
 mod timed;
 mod workload;
@@ -30,18 +30,19 @@ use crate::accel::{
     cache, check_device, drop_degenerate, Accel, Build, Dropped, Resident, ResidentTwoLevel, TreeStats,
 };
 use crate::device::Device;
-use crate::render::{upload, Flat};
+use crate::render::{upload, upload_instances, Flat};
 use crate::scene::Scene;
 use crate::{Hit, Ray, Triangle};
 
+pub use crate::render::{two_level, Levels};
 pub use batch::{Batch, Progress};
 pub use coherence::Coherence;
 pub use cost::{sampled, tests, Cost};
 pub use error::QueryError;
-pub use geometry::Geometries;
+pub use geometry::{intersect, world_triangle};
+pub use hit_buffers::HitBuffers;
 pub use hits::{AllHits, Hits};
 use kernels::QueryKernels;
-pub use levels::{two_level, Levels};
 pub use ray_kind::{RayKind, UnknownRayKind};
 pub use raywarp_core::traversal::Tests;
 pub use timed::{Answers, Timed};
@@ -80,7 +81,6 @@ pub struct RayCaster {
 struct Shared {
     device: Device,
     structure: Box<dyn QueryKernels>,
-    geometries: Geometries,
     report: Report,
 }
 
@@ -129,33 +129,28 @@ impl RayCaster {
         what: impl Into<Build>,
         device: &Device,
     ) -> Result<Self, QueryError> {
-        let (what, geometries) = (what.into(), Geometries::of(scene));
+        let what = what.into();
         if !levels.are_two(scene) {
-            return Self::build(Flat::of(scene)?.triangles, geometries, what, device);
+            return Self::build(Flat::of(scene)?.triangles, what, device);
         }
         let start = Instant::now();
         let tree = two_level(scene, what.quality)?;
         let build_seconds = start.elapsed().as_secs_f64();
-        let structure = Box::new(ResidentTwoLevel::upload(device, &tree)?);
+        let structure = upload_instances(device, what.kind, &tree)?;
         let report = Report { build_seconds, ..Report::of_instanced(&tree) };
-        Ok(Self::sharing(Shared { device: device.clone(), structure, geometries, report }))
+        Ok(Self::sharing(Shared { device: device.clone(), structure, report }))
     }
 
-    /// Builds a structure over the triangles that can be hit and copies it to a device. Hits say the numbers that the
-    /// triangles have, and geometry 0.
+    /// Builds a structure over the triangles that can be hit and copies it to a device. Hits say the primitive and the
+    /// instance that the triangles have.
     ///
     /// # Errors
     /// Too many triangles for the structure or for the device's memory.
     pub fn new(triangles: Vec<Triangle>, what: impl Into<Build>, device: &Device) -> Result<Self, QueryError> {
-        Self::build(triangles, Geometries::default(), what.into(), device)
+        Self::build(triangles, what.into(), device)
     }
 
-    fn build(
-        triangles: Vec<Triangle>,
-        geometries: Geometries,
-        what: Build,
-        device: &Device,
-    ) -> Result<Self, QueryError> {
+    fn build(triangles: Vec<Triangle>, what: Build, device: &Device) -> Result<Self, QueryError> {
         check_device(what.kind, device)?;
         let start = Instant::now();
         let (triangles, dropped) = drop_degenerate(triangles);
@@ -167,7 +162,7 @@ impl RayCaster {
         let report = Report { triangles: count, dropped, tree: accel.stats(), build_seconds, warning };
         device.reserve(report.tree.bytes as u64, "the scene")?;
         let structure = upload(device, &accel)?;
-        Ok(Self::sharing(Shared { device: device.clone(), structure, geometries, report }))
+        Ok(Self::sharing(Shared { device: device.clone(), structure, report }))
     }
 
     /// Copies a structure that was built elsewhere to a device.
@@ -179,8 +174,7 @@ impl RayCaster {
         let report = Report { triangles: accel.triangles().len(), tree: accel.stats(), ..Report::default() };
         device.reserve(report.tree.bytes as u64, "the structure")?;
         let structure = upload(device, accel)?;
-        let geometries = Geometries::default();
-        Ok(Self::sharing(Shared { device: device.clone(), structure, geometries, report }))
+        Ok(Self::sharing(Shared { device: device.clone(), structure, report }))
     }
 
     /// A structure of others that is on a device already.
@@ -189,8 +183,18 @@ impl RayCaster {
     /// It is on that one.
     pub unsafe fn of_resident(resident: impl Resident, stats: TreeStats, device: &Device) -> Self {
         let report = Report { triangles: stats.references - stats.duplicates, tree: stats, ..Report::default() };
-        let (structure, geometries) = (Box::new(resident), Geometries::default());
-        Self::sharing(Shared { device: device.clone(), structure, geometries, report })
+        let structure = Box::new(resident);
+        Self::sharing(Shared { device: device.clone(), structure, report })
+    }
+
+    /// Copies a structure of two levels to a device.
+    ///
+    /// # Errors
+    /// The device has no room.
+    pub fn from_instanced(tree: &TwoLevel, device: &Device) -> Result<Self, QueryError> {
+        let structure = Box::new(ResidentTwoLevel::upload(device, tree)?);
+        let report = Report::of_instanced(tree);
+        Ok(Self::sharing(Shared { device: device.clone(), structure, report }))
     }
 
     fn sharing(shared: Shared) -> Self {
@@ -213,7 +217,7 @@ impl RayCaster {
         &self.shared.device
     }
 
-    /// The closest hit of each ray; of several at the same distance that of the smallest primitive.
+    /// The closest hit of each ray; of several at the same distance that of the smallest instance and primitive.
     ///
     /// # Errors
     /// The device fails, or has no room.
@@ -237,7 +241,7 @@ impl RayCaster {
         self.batch(rays).count()
     }
 
-    /// Every hit of each ray, by distance, then by primitive.
+    /// Every hit of each ray, by distance, then by instance and primitive.
     ///
     /// # Errors
     /// The device fails, or has no room.
@@ -245,7 +249,7 @@ impl RayCaster {
         self.batch(rays).all()
     }
 
-    /// The closest hit of each ray as kernels write it: `primitive` numbers the triangles of the whole scene.
+    /// The closest hit of each ray, one after the other.
     ///
     /// # Errors
     /// The device fails, or has no room.
@@ -256,11 +260,6 @@ impl RayCaster {
     /// A batch to be asked with a bound on hits, or watched.
     pub fn batch<'a>(&'a self, rays: &'a [Ray]) -> Batch<'a> {
         Batch::new(self, rays)
-    }
-
-    /// From primitives of the whole scene to instances.
-    pub fn geometries(&self) -> &Geometries {
-        &self.shared.geometries
     }
 
     fn structure(&self) -> &dyn QueryKernels {

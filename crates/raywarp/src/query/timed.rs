@@ -6,7 +6,7 @@ use raywarp_device::kernels::{Launchable, Views};
 
 use super::coherence::faster;
 use super::launch::persistent;
-use super::{QueryError, RayCaster};
+use super::{HitBuffers, QueryError, RayCaster};
 use crate::device::{Buffer, DeviceError, KernelInfo};
 use crate::{Hit, Ray};
 
@@ -21,7 +21,7 @@ pub struct Timed {
 
 /// Room for answers on the device.
 enum Room {
-    Closest(Buffer<Hit>),
+    Closest(HitBuffers),
     Occluded(Buffer<u32>),
 }
 
@@ -41,11 +41,11 @@ impl RayCaster {
     /// # Errors
     /// The device has no room for the batch, or fails.
     pub fn timed(&self, rays: &[Ray], any_hit: bool) -> Result<Timed, QueryError> {
-        let answer = if any_hit { size_of::<u32>() } else { size_of::<Hit>() };
+        let answer = if any_hit { size_of::<u32>() } else { HitBuffers::HIT };
         self.device().reserve(((size_of::<Ray>() + answer) * rays.len()) as u64, "the rays")?;
         let room = match any_hit {
             true => Room::Occluded(self.device().zeroed(rays.len())?),
-            false => Room::Closest(self.device().zeroed(rays.len())?),
+            false => Room::Closest(HitBuffers::new(self.device(), rays.len())?),
         };
         let numbers = self.device().zeroed(Persistent::<ClosestHit>::NUMBERS)?;
         let mut timed = Timed { caster: self.clone(), rays: self.device().upload(rays)?, room, numbers };
@@ -87,14 +87,14 @@ impl Timed {
         let device = caster.device();
         Ok(match (caster.persistent(), &mut self.room) {
             (Some(tree), Room::Closest(hits)) => {
-                let (kernel, threads) = persistent::<ClosestHit>(device, tree, rays, hits.view_mut(), numbers)?;
+                let (kernel, threads) = persistent::<ClosestHit>(device, tree, rays, hits.arrays(), numbers)?;
                 (Box::new(kernel), threads)
             }
             (Some(tree), Room::Occluded(occluded)) => {
                 let (kernel, threads) = persistent::<AnyHit>(device, tree, rays, occluded.view_mut(), numbers)?;
                 (Box::new(kernel), threads)
             }
-            (None, Room::Closest(hits)) => (caster.structure().closest(rays, hits.view_mut()), rays.len()),
+            (None, Room::Closest(hits)) => (caster.structure().closest(rays, hits.arrays()), rays.len()),
             (None, Room::Occluded(occluded)) => (caster.structure().occluded(rays, occluded.view_mut()), rays.len()),
         })
     }
@@ -105,7 +105,7 @@ impl Timed {
     /// The device fails.
     pub fn answers(self) -> Result<Answers, QueryError> {
         Ok(match self.room {
-            Room::Closest(hits) => Answers::Closest(hits.download()?),
+            Room::Closest(hits) => Answers::Closest(hits.to_vec()?),
             Room::Occluded(occluded) => Answers::Occluded(occluded.download()?.iter().map(|&any| any != 0).collect()),
         })
     }

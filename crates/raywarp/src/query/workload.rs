@@ -91,7 +91,7 @@ pub struct Spot {
 pub fn opaque_triangles(scene: &Scene) -> Result<Vec<Triangle>, RenderError> {
     let (mut triangles, _) = drop_degenerate(flatten::Flat::of(scene)?.triangles);
     for (place, triangle) in (0..).zip(&mut triangles) {
-        (triangle.primitive, triangle.flags) = (place, 0);
+        (triangle.primitive, triangle.flags, triangle.instance) = (place, 0, 0);
     }
     Ok(triangles)
 }

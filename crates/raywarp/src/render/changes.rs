@@ -2,6 +2,7 @@
 
 use raywarp_core::math::Vec3;
 use raywarp_core::refit::{Refit, Reshape};
+use raywarp_core::surface;
 use raywarp_core::traversal::bvh2::Node;
 use raywarp_device::kernels::Views;
 
@@ -82,39 +83,55 @@ impl Tracer {
     }
 
     /// Moves an instance to where `instances`, the scene's own but for transforms, has it. Returns whether that is all:
-    /// `false` if a new tracer must be made, because the structure is not a `bvh2` or the instance is mirrored now.
+    /// `false` if a new tracer must be made, because the structure is in world space and no `bvh2`, or the instance is in
+    /// world space and the rest is not.
     ///
-    /// Boxes are refitted: the picture is that of a new tree, which is worth building once the instance rests.
+    /// In world space boxes are refitted: the picture is that of a new tree, which is worth building once the instance rests.
     ///
     /// # Errors
     /// [`RenderError`] for an instance that the scene does not have, or where the device fails.
     pub fn move_instance(&mut self, scene: &Scene, instances: &[Instance], index: usize) -> Result<bool, RenderError> {
         let missing = || RenderError::Scene { mesh: format!("instance {index}"), part: "the index" };
-        let (instance, place) =
-            (instances.get(index).ok_or_else(missing)?, *self.places.get(index).ok_or_else(missing)?);
+        let instance = instances.get(index).ok_or_else(missing)?;
+        let vertices = self.vertices.get(index).ok_or_else(missing)?.clone();
         let mesh = flatten::check_instance(scene, instance)?;
-        if mesh.positions.len() != place.vertices {
+        if self.structure.has_instances() {
+            return self.set_transform(index, instance);
+        }
+        if mesh.positions.len() != vertices.len() {
             return Err(RenderError::Scene { mesh: format!("instance {index}"), part: "the number of vertices" });
         }
         let Some(tree) = self.structure.resident_mut::<ResidentBvh2>() else { return Ok(false) };
-        if flatten::is_mirrored(instance) != place.mirrored {
-            return Ok(false);
-        }
         let mut flat = Flat::default();
         flat.place(mesh, instance);
-        self.scene.move_vertices(place.first_vertex, &flat)?;
+        self.scene.move_vertices(vertices.start, &flat)?;
+        let placed = &mut self.instances[index];
+        placed.flags = surface::IN_WORLD | flatten::handedness(instance);
+        self.scene.set_instance(index, *placed)?;
         // Rounding errors are bounded by the farthest box: a bound too large is safe.
         let far = |v: &Vec3| [v.x, v.y, v.z].map(|x| (x.abs() * (1.0 + 1e-6)).next_up());
         let reach = tree.reach.to_array();
         tree.reach = flat.positions.iter().map(far).fold(reach, |a, b| [0, 1, 2].map(|i| a[i].max(b[i]))).into();
-        self.reshape([place.first_primitive, place.first_primitive + mesh.triangles.len() as u32])
+        self.reshape([index as u32, index as u32 + 1])
     }
 
-    /// Brings the tree's triangles of some primitives up to date, and all boxes.
+    /// The same over instances.
+    fn set_transform(&mut self, index: usize, instance: &Instance) -> Result<bool, RenderError> {
+        if !self.structure.set_transform(index, &instance.transform)? {
+            return Ok(false);
+        }
+        let placed = &mut self.instances[index];
+        *placed = flatten::placed(instance, placed.first_primitive);
+        self.scene.set_instance(index, *placed)?;
+        Ok(true)
+    }
+
+    /// Brings the tree's triangles of some instances up to date, and all boxes.
     fn reshape(&mut self, moved: [u32; 2]) -> Result<bool, RenderError> {
         let Some(ResidentBvh2 { nodes, triangles, .. }) = self.structure.resident_mut() else { return Ok(false) };
         let flags = self.device.upload(&self.flags)?;
         let reshape = Reshape {
+            instances: self.scene.instances(),
             primitives: self.scene.primitives(),
             positions: self.scene.positions(),
             flags: flags.view(),
@@ -123,7 +140,7 @@ impl Tracer {
         };
         let levels = match &self.levels {
             Some(levels) => levels,
-            None => self.levels.insert(Levels::of(&self.device, nodes)?),
+            None => self.levels.insert(NodesByDepth::of(&self.device, nodes)?),
         };
         // SAFETY: the buffers belong to this tracer and are borrowed while this waits; the builder checked the links.
         unsafe { self.device.launch(&reshape, [triangles.len(), 1]) }?;
@@ -138,13 +155,13 @@ impl Tracer {
 }
 
 /// The nodes of a tree by their distance from the root.
-pub(super) struct Levels {
+pub(super) struct NodesByDepth {
     order: Buffer<u32>,
     /// Places in `order`, from the root down.
     ranges: Vec<[u32; 2]>,
 }
 
-impl Levels {
+impl NodesByDepth {
     fn of(device: &Device, nodes: &Buffer<Node>) -> Result<Self, RenderError> {
         let nodes = nodes.to_vec()?;
         let (mut order, mut ranges) = (vec![0], vec![[0, 1]]);

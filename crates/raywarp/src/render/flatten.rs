@@ -1,15 +1,18 @@
-//! All instances brought to world space, in arrays as the kernels read them.
+//! A scene in arrays as the kernels read them: instances brought to world space, or shared meshes as they are.
 
-use glam::{Mat3, Vec3};
+use std::ops::Range;
+
+use glam::{BVec3, Mat3, Vec3};
 use raywarp_core::math;
-use raywarp_core::surface::Primitive;
+use raywarp_core::surface::{self, Primitive};
 use raywarp_core::triangle::{flags, Triangle};
 
 use super::RenderError;
 use crate::device::DeviceError;
-use crate::scene::{AlphaMode, Instance, Material, Mesh, Scene};
+use crate::scene::{AlphaMode, Instance, Material, Mesh, Scene, Transform};
+use crate::MISS;
 
-/// A scene without instances. Optional vertex data is either there for all vertices or for none.
+/// A scene in arrays. Optional vertex data is either there for all vertices or for none.
 #[derive(Debug, Default)]
 pub(crate) struct Flat {
     pub positions: Vec<math::Vec3>,
@@ -20,18 +23,31 @@ pub(crate) struct Flat {
     pub tangents: Vec<[f32; 4]>,
     pub primitives: Vec<Primitive>,
     pub triangles: Vec<Triangle>,
-    /// Of each instance.
-    pub places: Vec<Place>,
+    pub instances: Vec<surface::Instance>,
+    /// Of each instance in world space.
+    pub vertices: Vec<Range<usize>>,
+    layout: Layout,
 }
 
-/// Where an instance is among the vertices and primitives.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
-    pub first_vertex: usize,
-    pub vertices: usize,
-    pub first_primitive: u32,
-    /// Its triangles turn round.
-    pub mirrored: bool,
+/// Which optional vertex data there is.
+#[derive(Clone, Copy, Debug, Default)]
+struct Layout {
+    uvs: bool,
+    second_uvs: bool,
+    colors: bool,
+    tangents: bool,
+}
+
+impl Layout {
+    fn of(scene: &Scene, instances: &[Instance]) -> Self {
+        let any = |has: fn(&Mesh) -> bool| instances.iter().filter_map(|i| scene.meshes.get(i.mesh)).any(has);
+        Self {
+            uvs: any(|mesh| !mesh.uvs.is_empty()),
+            second_uvs: any(|mesh| !mesh.second_uvs.is_empty()),
+            colors: any(|mesh| !mesh.colors.is_empty()),
+            tangents: any(|mesh| !mesh.tangents.is_empty()),
+        }
+    }
 }
 
 impl Flat {
@@ -46,38 +62,87 @@ impl Flat {
     /// # Errors
     /// As for [`of`](Self::of).
     pub fn with(scene: &Scene, instances: &[Instance], materials: &[Material]) -> Result<Self, RenderError> {
-        let placed = || instances.iter().filter_map(|instance| scene.meshes.get(instance.mesh));
-        let with_uvs = placed().any(|mesh| !mesh.uvs.is_empty());
-        let with_second_uvs = placed().any(|mesh| !mesh.second_uvs.is_empty());
-        let with_colors = placed().any(|mesh| !mesh.colors.is_empty());
-        let with_tangents = placed().any(|mesh| !mesh.tangents.is_empty());
-        let totals = placed().fold([0; 2], |[v, t], mesh| [v + mesh.positions.len(), t + mesh.triangles.len()]);
-        if let Some(&len) = totals.iter().find(|&&len| u32::try_from(len).is_err()) {
-            return Err(DeviceError::TooMany { len }.into());
-        }
-        let triangle_flags: Vec<u32> = materials.iter().map(flags_of).collect();
+        Self::sharing(scene, instances, materials, |_| false)
+    }
 
-        let mut flat = Self::default();
-        for instance in instances {
+    /// The same, where meshes of instances that share them stay in a space of their own. Such have no
+    /// [`triangles`](Self::triangles).
+    ///
+    /// # Errors
+    /// As for [`of`](Self::of).
+    pub fn sharing(
+        scene: &Scene,
+        instances: &[Instance],
+        materials: &[Material],
+        is_shared: impl Fn(usize) -> bool,
+    ) -> Result<Self, RenderError> {
+        let mut flat = Self { layout: Layout::of(scene, instances), ..Self::default() };
+        let triangle_flags: Vec<u32> = materials.iter().map(flags_of).collect();
+        let mut shared = vec![None; scene.meshes.len()];
+        for (index, instance) in instances.iter().enumerate() {
             let mesh = check_instance(scene, instance)?;
-            check_mesh(scene, instance, mesh)?;
-            let first = flat.positions.len() as u32;
-            flat.places.push(Place {
-                first_vertex: flat.positions.len(),
-                vertices: mesh.positions.len(),
-                first_primitive: flat.primitives.len() as u32,
-                mirrored: is_mirrored(instance),
-            });
-            flat.place(mesh, instance);
-            pad(&mut flat.uvs, &mesh.uvs, mesh, with_uvs, [0.0; 2]);
-            pad(&mut flat.second_uvs, &mesh.second_uvs, mesh, with_second_uvs, [0.0; 2]);
-            pad(&mut flat.colors, &mesh.colors, mesh, with_colors, [1.0; 4]);
-            if mesh.tangents.is_empty() {
-                pad(&mut flat.tangents, &[], mesh, with_tangents, [0.0; 4]);
+            if !is_shared(index) {
+                check_mesh(scene, instance, mesh)?;
+                flat.add_in_world(mesh, instance, &triangle_flags)?;
+                continue;
             }
-            flat.add_triangles(mesh, instance, first, &triangle_flags);
+            let first_primitive = match shared[instance.mesh] {
+                Some(first) => first,
+                None => {
+                    check_mesh(scene, instance, mesh)?;
+                    *shared[instance.mesh].insert(flat.add_mesh(mesh)?)
+                }
+            };
+            flat.add_instance(instance, first_primitive);
         }
         Ok(flat)
+    }
+
+    /// Adds a mesh brought to world space, and its instance.
+    fn add_in_world(&mut self, mesh: &Mesh, instance: &Instance, flags: &[u32]) -> Result<(), RenderError> {
+        let (first, first_primitive) = (self.positions.len(), self.primitives.len() as u32);
+        self.place(mesh, instance);
+        self.add_attributes(mesh)?;
+        self.add_triangles(mesh, instance, first as u32, flags);
+        self.vertices.push(first..self.positions.len());
+        let flags = surface::IN_WORLD | handedness(instance);
+        self.instances.push(surface::Instance { first_primitive, flags, ..surface::Instance::IN_PLACE });
+        Ok(())
+    }
+
+    /// Adds a mesh as it is; tells where its primitives begin.
+    fn add_mesh(&mut self, mesh: &Mesh) -> Result<u32, RenderError> {
+        let (first, first_primitive) = (self.positions.len() as u32, self.primitives.len() as u32);
+        self.place(mesh, &Instance { name: String::new(), mesh: 0, transform: Transform::IDENTITY, material: None });
+        self.add_attributes(mesh)?;
+        let primitive = |(corners, &material): (&[u32; 3], &u32)| Primitive {
+            vertices: corners.map(|vertex| first + vertex),
+            material,
+        };
+        self.primitives.extend(mesh.triangles.iter().zip(&mesh.materials).map(primitive));
+        Ok(first_primitive)
+    }
+
+    /// Adds an instance of a mesh that stays where it is.
+    fn add_instance(&mut self, instance: &Instance, first_primitive: u32) {
+        self.vertices.push(0..0);
+        self.instances.push(placed(instance, first_primitive));
+    }
+
+    /// Adds what a mesh has at its vertices beside what [`place`](Self::place) adds.
+    fn add_attributes(&mut self, mesh: &Mesh) -> Result<(), RenderError> {
+        let layout = self.layout;
+        pad(&mut self.uvs, &mesh.uvs, mesh, layout.uvs, [0.0; 2]);
+        pad(&mut self.second_uvs, &mesh.second_uvs, mesh, layout.second_uvs, [0.0; 2]);
+        pad(&mut self.colors, &mesh.colors, mesh, layout.colors, [1.0; 4]);
+        if mesh.tangents.is_empty() {
+            pad(&mut self.tangents, &[], mesh, layout.tangents, [0.0; 4]);
+        }
+        let len = self.positions.len().max(self.primitives.len() + mesh.triangles.len());
+        match u32::try_from(len) {
+            Ok(_) => Ok(()),
+            Err(_) => Err(DeviceError::TooMany { len }.into()),
+        }
     }
 
     /// Adds positions, normals and tangents in world space.
@@ -102,25 +167,38 @@ impl Flat {
     }
 
     fn add_triangles(&mut self, mesh: &Mesh, instance: &Instance, first: u32, triangle_flags: &[u32]) {
-        // A mirrored instance turns outside in, unless its triangles turn round too.
-        let mirrored = is_mirrored(instance);
+        let placed = self.instances.len() as u32;
         self.primitives.reserve(mesh.triangles.len());
         self.triangles.reserve(mesh.triangles.len());
-        for (&[a, b, c], &material) in mesh.triangles.iter().zip(&mesh.materials) {
-            let [b, c] = if mirrored { [c, b] } else { [b, c] };
-            let vertices = [first + a, first + b, first + c];
+        for ((corners, &material), primitive) in mesh.triangles.iter().zip(&mesh.materials).zip(0..) {
+            let vertices = corners.map(|vertex| first + vertex);
             let material = instance.material.unwrap_or(material);
-            let index = self.primitives.len() as u32;
             self.primitives.push(Primitive { vertices, material });
             let [v0, v1, v2] = vertices.map(|vertex| self.positions[vertex as usize]);
-            self.triangles.push(Triangle::new(v0, v1, v2, index, triangle_flags[material as usize]));
+            let flags = triangle_flags[material as usize];
+            self.triangles.push(Triangle { instance: placed, ..Triangle::new(v0, v1, v2, primitive, flags) });
         }
     }
 }
 
-/// Whether an instance's transform turns left into right.
-pub(super) fn is_mirrored(instance: &Instance) -> bool {
-    Mat3::from_cols_array_2d(&instance.transform.columns).determinant() < 0.0
+/// An instance of a mesh that stays in a space of its own.
+pub(super) fn placed(instance: &Instance, first_primitive: u32) -> surface::Instance {
+    let ([x, y, z], t) = (instance.transform.columns, instance.transform.translation);
+    surface::Instance {
+        rows: [0, 1, 2].map(|i| [x[i], y[i], z[i], t[i]]),
+        first_primitive,
+        material: instance.material.unwrap_or(MISS),
+        flags: handedness(instance),
+        ..surface::Instance::IN_PLACE
+    }
+}
+
+/// [`MIRRORED`](surface::MIRRORED) where an instance's transform turns left into right.
+pub(super) fn handedness(instance: &Instance) -> u32 {
+    match Mat3::from_cols_array_2d(&instance.transform.columns).determinant() < 0.0 {
+        true => surface::MIRRORED,
+        false => 0,
+    }
 }
 
 /// Rows of cross products: `det(m) * inverse(m)^T`.
@@ -186,10 +264,28 @@ pub(crate) fn bounds(triangles: &[Triangle]) -> [[f32; 3]; 2] {
         .map_or([[0.0; 3]; 2], |(low, high): (math::Vec3, math::Vec3)| [low.to_array(), high.to_array()])
 }
 
+/// Low and high corner around the box of each mesh in each of its places, whose indices were checked; both zero where there
+/// are none.
+pub(crate) fn bounds_of_instances(scene: &Scene) -> [[f32; 3]; 2] {
+    let around = |points: &mut dyn Iterator<Item = Vec3>| points.map(|p| (p, p)).reduce(join);
+    let boxes: Vec<_> = scene.meshes.iter().map(|mesh| around(&mut mesh.positions.iter().map(|&p| p.into()))).collect();
+    let placed = |instance: &Instance| {
+        let (low, high) = boxes[instance.mesh]?;
+        let linear = Mat3::from_cols_array_2d(&instance.transform.columns);
+        let corner = |i: u32| Vec3::select(BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), low, high);
+        around(&mut (0..8).map(|i| linear * corner(i) + Vec3::from(instance.transform.translation)))
+    };
+    let all = scene.instances.iter().filter_map(placed).reduce(join);
+    all.map_or([[0.0; 3]; 2], |(low, high)| [low.into(), high.into()])
+}
+
+fn join((low, high): (Vec3, Vec3), (a, b): (Vec3, Vec3)) -> (Vec3, Vec3) {
+    (low.min(a), high.max(b))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Transform;
 
     fn scene(transform: Transform) -> Scene {
         let mesh = Mesh {
@@ -223,8 +319,11 @@ mod tests {
     fn a_mirrored_instance_keeps_its_outside() {
         let flat = Flat::of(&scene(scaled(-1.0, 1.0, 1.0))).unwrap();
         let t = flat.triangles[0];
-        let outward = (t.v1 - t.v0).cross(t.v2 - t.v0).normalize();
-        assert_eq!(outward.to_array(), [0.0, 0.0, 1.0]);
+        let wound = (t.v1 - t.v0).cross(t.v2 - t.v0).normalize();
+        assert_eq!(
+            (wound.to_array(), flat.instances[0].flags & surface::MIRRORED),
+            ([0.0, 0.0, -1.0], surface::MIRRORED)
+        );
         assert_eq!(flat.normals[0].to_array(), [0.0, 0.0, 1.0]);
     }
 

@@ -1,5 +1,6 @@
 //! From a scene to a picture: flatten it, build the tree, put both on a device, trace.
 
+mod arrange;
 mod bands;
 pub(crate) mod camera;
 mod changes;
@@ -7,6 +8,7 @@ mod costs;
 mod error;
 mod film;
 pub(crate) mod flatten;
+mod levels;
 mod lighting;
 mod materials;
 mod options;
@@ -14,24 +16,26 @@ mod passes;
 mod resident;
 mod structure;
 
+use std::ops::Range;
 use std::time::Instant;
 
 use raywarp_core::film::Pixel;
 use raywarp_core::kernels::{FirstHit, Frame};
 use raywarp_core::shade::whitted::Limits;
+use raywarp_core::surface;
 use raywarp_core::traversal::Tests;
 use raywarp_core::view::ViewMut;
 use raywarp_device::kernels::Views;
 
-use crate::accel::{drop_degenerate, Build, Dropped, TreeStats};
+use crate::accel::{Build, Dropped, TreeStats};
 use crate::device::{Buffer, Device};
 use crate::image::Picture;
 use crate::scene::{Camera, Scene};
 use crate::Triangle;
+use arrange::Arranged;
 use bands::Bands;
-use changes::Levels;
+use changes::NodesByDepth;
 pub(crate) use flatten::Flat;
-use flatten::Place;
 use lighting::Lighting;
 use options::Window;
 use resident::ResidentScene;
@@ -42,11 +46,12 @@ pub use costs::PixelCosts;
 pub use error::RenderError;
 pub use film::{Exposure, Film, Painted, Quantity};
 pub(crate) use flatten::{check_instance, check_mesh, flags_of};
+pub use levels::{two_level, Levels};
 pub use lighting::{ambient, sky};
 pub use options::{RenderOptions, MAX_DEPTH, MAX_SIDE, MAX_SPP};
-pub(crate) use passes::upload;
 #[doc(hidden)]
 pub use passes::Pass;
+pub(crate) use passes::{upload, upload_instances};
 pub use structure::Structure;
 
 /// A scene on a device, ready to be traced from any camera.
@@ -57,12 +62,14 @@ pub struct Tracer {
     lighting: Lighting,
     camera: Camera,
     report: Report,
-    /// Where the instances are among vertices and primitives.
-    places: Vec<Place>,
+    /// Where the instances are.
+    instances: Vec<surface::Instance>,
+    /// Where their vertices are.
+    vertices: Vec<Range<usize>>,
     /// Of the triangles of each material.
     flags: Vec<u32>,
     /// Of the structure, once something has moved.
-    levels: Option<Levels>,
+    levels: Option<NodesByDepth>,
 }
 
 /// The scene's first camera, or one that sees all of these triangles of it from the front, right and above.
@@ -135,20 +142,33 @@ impl Tracer {
     /// # Errors
     /// [`RenderError`] where the scene is too large for the structure or for the device's memory.
     pub fn new(scene: &Scene, accel: impl Into<Build>, device: &Device) -> Result<Self, RenderError> {
-        let start = Instant::now();
-        let mut flat = Flat::of(scene)?;
-        let (triangles, dropped) = drop_degenerate(std::mem::take(&mut flat.triangles));
-        let flatten_seconds = start.elapsed().as_secs_f64();
+        Self::with_levels(scene, Levels::Auto, accel, device)
+    }
 
-        let count = triangles.len();
-        let bounds = flatten::bounds(&triangles);
-        let (tree, built) = Structure::arrange(device, accel.into(), triangles)?;
-        let estimate = ResidentScene::bytes(&flat, scene) + built.stats.bytes as u64;
+    /// The same, with instances or without. Pictures of the two may differ where rounding decides, as rays are brought to
+    /// the space of a mesh or its triangles to world space.
+    ///
+    /// # Errors
+    /// As for [`new`](Self::new).
+    pub fn with_levels(
+        scene: &Scene,
+        levels: Levels,
+        accel: impl Into<Build>,
+        device: &Device,
+    ) -> Result<Self, RenderError> {
+        let start = Instant::now();
+        let Arranged { flat, tree, triangles: count, dropped, bounds } = if levels.are_two(scene) {
+            Arranged::shared(scene, accel.into())?
+        } else {
+            Arranged::in_world(scene, accel.into(), device)?
+        };
+        let flatten_seconds = start.elapsed().as_secs_f64() - tree.build_seconds;
+        let estimate = ResidentScene::bytes(&flat, scene) + tree.stats.bytes as u64;
         device.reserve(estimate, "the scene")?;
 
         let start = Instant::now();
         let resident = ResidentScene::upload(device, &flat, scene)?;
-        let structure = built.upload(device, &tree)?;
+        let structure = tree.upload(device)?;
         let upload_seconds = start.elapsed().as_secs_f64();
 
         let lighting = Lighting::of(scene);
@@ -175,7 +195,8 @@ impl Tracer {
             lighting,
             camera,
             report,
-            places: flat.places,
+            instances: flat.instances,
+            vertices: flat.vertices,
             flags: scene.materials.iter().map(flags_of).collect(),
             levels: None,
         })

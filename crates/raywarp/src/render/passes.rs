@@ -10,11 +10,15 @@ use raywarp_core::traversal::{NullStatistics, RecordedStatistics, Structure, Tes
 use raywarp_core::view::ViewMut;
 use raywarp_device::kernels::Launchable;
 
+use crate::accel::two_level::TwoLevel;
 use crate::accel::{
-    Accel, Rendered, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd, ResidentQuantized, TreeBox,
+    Accel, AccelKind, Rendered, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd,
+    ResidentQuantized, ResidentTwoLevel, TreeBox,
 };
 use crate::device::{Device, DeviceError};
 use crate::query::kernels::QueryKernels;
+
+use super::RenderError;
 
 /// One launch of a frame: everything but the structure.
 #[derive(Clone, Copy)]
@@ -92,6 +96,19 @@ pub(crate) fn upload(device: &Device, tree: &Accel) -> Result<Box<dyn FrameKerne
         Accel::Bvh2c(tree) => Box::new(ResidentQuantized::upload(device, tree)?),
         Accel::Bvh(tree) => Box::new(ResidentDual::upload(device, tree)?),
         Accel::Bvh8f(tree) => Box::new(ResidentBvh8f::upload(device, tree)?),
+    })
+}
+
+/// Copies instances to a device, with the structure of each mesh that is asked for: a list, a k-d tree or a hierarchy.
+pub(crate) fn upload_instances(
+    device: &Device,
+    kind: AccelKind,
+    tree: &TwoLevel,
+) -> Result<Box<dyn FrameKernels>, RenderError> {
+    Ok(match kind {
+        AccelKind::Brute => Box::new(ResidentBrute::of_instances(device, tree)?),
+        AccelKind::Kd => Box::new(ResidentKd::of_instances(device, tree, &tree.kd_trees()?)?),
+        _ => Box::new(ResidentTwoLevel::upload(device, tree)?),
     })
 }
 

@@ -3,7 +3,7 @@
 use raywarp_core::light::Light;
 use raywarp_core::material::Material;
 use raywarp_core::math::Vec3;
-use raywarp_core::surface::{self, Primitive};
+use raywarp_core::surface::{self, Instance, Primitive};
 use raywarp_core::texture::{Texture, Textures};
 use raywarp_core::view::View;
 use raywarp_device::kernels::Views;
@@ -16,6 +16,7 @@ use crate::scene::{self, Image, Scene};
 
 /// What shading reads.
 pub(super) struct ResidentScene {
+    instances: Buffer<Instance>,
     primitives: Buffer<Primitive>,
     positions: Buffer<Vec3>,
     normals: Buffer<Vec3>,
@@ -35,12 +36,13 @@ impl ResidentScene {
         let uvs = size(&flat.uvs) + size(&flat.second_uvs);
         let vertices = size(&flat.positions) + size(&flat.normals) + uvs + size(&flat.colors);
         let texels: usize = scene.images.iter().map(|image| size(&image.texels)).sum();
-        (vertices + size(&flat.tangents) + size(&flat.primitives) + texels) as u64
+        (vertices + size(&flat.tangents) + size(&flat.primitives) + size(&flat.instances) + texels) as u64
     }
 
     pub fn upload(device: &Device, flat: &Flat, scene: &Scene) -> Result<Self, DeviceError> {
         let Surfaces { materials, textures } = materials::ready(&scene.materials, &scene.images, Ambient::of(scene));
         Ok(Self {
+            instances: device.upload(&flat.instances)?,
             primitives: device.upload(&flat.primitives)?,
             positions: device.upload(&flat.positions)?,
             normals: device.upload(&flat.normals)?,
@@ -78,6 +80,15 @@ impl ResidentScene {
         self.tangents.write(first, &flat.tangents)
     }
 
+    /// Takes over where an instance is, whose vertices have moved.
+    pub fn set_instance(&mut self, index: usize, instance: Instance) -> Result<(), DeviceError> {
+        self.instances.write(index, &[instance])
+    }
+
+    pub fn instances(&self) -> View<Instance> {
+        self.instances.view()
+    }
+
     pub fn primitives(&self) -> View<Primitive> {
         self.primitives.view()
     }
@@ -88,6 +99,7 @@ impl ResidentScene {
 
     pub fn view(&self, lights: &Buffer<Light>, lighting: &Lighting) -> surface::Scene {
         surface::Scene {
+            instances: self.instances.view(),
             primitives: self.primitives.view(),
             positions: self.positions.view(),
             normals: self.normals.view(),

@@ -5,11 +5,16 @@ use std::time::Instant;
 
 use raywarp_core::screen::{AovRanges, DrawAov, ToneMapFilm};
 
-use crate::accel::{cache, check_device, Accel, AccelKind, Build, Quality, Rendered, TreeBox, TreeStats};
+use crate::accel::two_level::{InstancedStats, Plan, TwoLevel, UpperTree};
+use crate::accel::{
+    cache, check_device, Accel, AccelKind, Build, Quality, Rendered, ResidentBrute, ResidentKd, ResidentTwoLevel,
+    TreeBox, TreeStats,
+};
 use crate::device::Device;
+use crate::scene::Transform;
 use crate::Triangle;
 
-use super::passes::{upload, FrameKernels};
+use super::passes::{upload, upload_instances, FrameKernels};
 use super::RenderError;
 
 /// A structure on a device, for [`Tracer::replace`](super::Tracer::replace). It can be built beside a tracer at work.
@@ -27,6 +32,8 @@ pub struct Structure {
     pub upload_seconds: f64,
     /// What was wrong with the cache, if anything.
     pub warning: Option<String>,
+    /// Of a structure of instances.
+    upper: Option<UpperTree>,
 }
 
 impl Structure {
@@ -35,9 +42,9 @@ impl Structure {
     /// # Errors
     /// [`RenderError`] where there are too many triangles for the structure or too little memory for it.
     pub fn build(device: &Device, what: impl Into<Build>, triangles: Vec<Triangle>) -> Result<Self, RenderError> {
-        let (tree, built) = Self::arrange(device, what.into(), triangles)?;
+        let built = Self::arrange(device, what.into(), triangles)?;
         device.reserve(built.stats.bytes as u64, "the structure")?;
-        built.upload(device, &tree)
+        built.upload(device)
     }
 
     /// Copies one that was built elsewhere to a device; `quality` is what is told of it.
@@ -46,9 +53,18 @@ impl Structure {
     /// The device has no room for it, or no kernels.
     pub fn of(accel: &Accel, quality: Quality, device: &Device) -> Result<Self, RenderError> {
         check_device(accel.kind(), device)?;
-        let what = Build { kind: accel.kind(), quality, cached: false };
-        let stats = accel.stats();
-        Built { what, stats, build_seconds: stats.build_seconds, warning: None }.upload(device, accel)
+        let (stats, start) = (accel.stats(), Instant::now());
+        let resident = upload(device, accel)?;
+        Ok(Self {
+            resident,
+            kind: Some(accel.kind()),
+            quality,
+            stats,
+            build_seconds: stats.build_seconds,
+            upload_seconds: start.elapsed().as_secs_f64(),
+            warning: None,
+            upper: None,
+        })
     }
 
     /// A structure of others that is on a device already.
@@ -64,6 +80,7 @@ impl Structure {
             build_seconds: stats.build_seconds,
             upload_seconds: 0.0,
             warning: None,
+            upper: None,
         }
     }
 
@@ -77,6 +94,29 @@ impl Structure {
     pub(super) fn resident_mut<R: Rendered>(&mut self) -> Option<&mut R> {
         let resident: &mut dyn Any = &mut *self.resident;
         resident.downcast_mut()
+    }
+
+    /// Whether meshes are placed by instances, which [move](super::Tracer::move_instance) without a change to any tree but that
+    /// over them.
+    pub fn has_instances(&self) -> bool {
+        self.upper.is_some()
+    }
+
+    /// Puts an instance elsewhere. Returns whether that is all: `false` if it is or would have to be in world space.
+    pub(super) fn set_transform(&mut self, instance: usize, transform: &Transform) -> Result<bool, RenderError> {
+        let Some(upper) = &mut self.upper else { return Ok(false) };
+        if upper.set_transform(instance, transform).is_none() {
+            return Ok(false);
+        }
+        let resident: &mut dyn Any = &mut *self.resident;
+        if let Some(tree) = resident.downcast_mut::<ResidentTwoLevel>() {
+            tree.set_instances(upper)?;
+        } else if let Some(trees) = resident.downcast_mut::<ResidentKd>() {
+            trees.set_instances(upper)?;
+        } else if let Some(lists) = resident.downcast_mut::<ResidentBrute>() {
+            lists.set_instances(upper)?;
+        }
+        Ok(true)
     }
 
     /// Has the driver compile all kernels that trace through it, so that the first picture does not wait for them.
@@ -100,39 +140,59 @@ impl Structure {
     }
 
     /// The structure on this machine, and what there is to tell of it.
-    pub(super) fn arrange(
-        device: &Device,
-        what: Build,
-        triangles: Vec<Triangle>,
-    ) -> Result<(Accel, Built), RenderError> {
+    pub(super) fn arrange(device: &Device, what: Build, triangles: Vec<Triangle>) -> Result<Built, RenderError> {
         check_device(what.kind, device)?;
         let start = Instant::now();
         let built = cache::build(what, triangles)?;
         let stats = built.accel.stats();
         let warning = built.warning.map(|warning| warning.to_string());
-        Ok((built.accel, Built { what, stats, build_seconds: start.elapsed().as_secs_f64(), warning }))
+        let build_seconds = start.elapsed().as_secs_f64();
+        Ok(Built { tree: Tree::World(built.accel), what, stats, build_seconds, warning })
+    }
+
+    /// The same over instances.
+    pub(super) fn arrange_instances(plan: Plan, what: Build) -> Result<(Built, InstancedStats), RenderError> {
+        let (start, count) = (Instant::now(), plan.placements());
+        let tree = plan.build(what.quality)?;
+        let (counts, build_seconds) = (tree.stats(), start.elapsed().as_secs_f64());
+        let stats = TreeStats { bytes: counts.bytes, build_seconds, ..TreeStats::default() };
+        Ok((Built { tree: Tree::Instances(tree, count), what, stats, build_seconds, warning: None }, counts))
     }
 }
 
-/// What there is to tell of a structure.
+/// A structure on this machine, and what there is to tell of it.
 pub(super) struct Built {
+    tree: Tree,
     what: Build,
     pub stats: TreeStats,
-    build_seconds: f64,
+    pub build_seconds: f64,
     warning: Option<String>,
 }
 
+enum Tree {
+    World(Accel),
+    /// Over so many instances of the scene.
+    Instances(TwoLevel, usize),
+}
+
 impl Built {
-    pub fn upload(self, device: &Device, tree: &Accel) -> Result<Structure, RenderError> {
+    pub fn upload(self, device: &Device) -> Result<Structure, RenderError> {
         let start = Instant::now();
+        let (resident, upper) = match &self.tree {
+            Tree::World(tree) => (upload(device, tree)?, None),
+            Tree::Instances(tree, count) => {
+                (upload_instances(device, self.what.kind, tree)?, Some(UpperTree::of(tree, *count)))
+            }
+        };
         Ok(Structure {
-            resident: upload(device, tree)?,
+            resident,
             kind: Some(self.what.kind),
             quality: self.what.quality,
             stats: self.stats,
             build_seconds: self.build_seconds,
             upload_seconds: start.elapsed().as_secs_f64(),
             warning: self.warning,
+            upper,
         })
     }
 }

@@ -114,28 +114,28 @@ pub fn ray(aim: usize, scene: &[Triangle], n: &mut Numbers) -> Ray {
     let triangle = n.pick(scene);
     let target = point_on(&triangle, n);
     let corner = n.pick(&[triangle.v0, triangle.v1, triangle.v2]);
-    let origin = target + n.point() * (triangle.extent * n.pick(&[1.0, 3.0, 30.0, 0.01]));
+    let origin = target + n.point() * (triangle.extent() * n.pick(&[1.0, 3.0, 30.0, 0.01]));
     let mut axis = [0.0, -0.0, 0.0];
     axis[n.below(3)] = n.pick(&[1.0, -1.0]);
     let axis = Vec3::from(axis);
     match aim {
         0 => Ray::new(origin, target - origin),
         1 => Ray::new(origin, n.point()),
-        2 => Ray::new(target - axis * (triangle.extent * 2.0), axis),
+        2 => Ray::new(target - axis * (triangle.extent() * 2.0), axis),
         // In the faces of boxes.
-        3 => Ray::new(corner - axis * (triangle.extent * 3.0), axis),
+        3 => Ray::new(corner - axis * (triangle.extent() * 3.0), axis),
         // From a surface, or from one to another.
         4 => Ray::new(target, n.point()),
         5 => Ray::new(target, point_on(&n.pick(scene), n) - target),
         6 => Ray::new(origin, corner - origin),
         7 => {
-            let (t_min, t_max) = (n.unit() * triangle.extent, n.unit() * 2.0 * triangle.extent);
-            Ray { t_min, t_max, ..Ray::new(origin, (target - origin) * (1.0 / triangle.extent)) }
+            let (t_min, t_max) = (n.unit() * triangle.extent(), n.unit() * 2.0 * triangle.extent());
+            Ray { t_min, t_max, ..Ray::new(origin, (target - origin) * (1.0 / triangle.extent())) }
         }
         // Parallel to a plane of two axes.
         8 => {
             let shear = n.point() * (vec3(1.0, 1.0, 1.0) + axis * -axis.max_abs() * (axis.x + axis.y + axis.z));
-            Ray::new(corner - shear * (triangle.extent * n.unit()), shear)
+            Ray::new(corner - shear * (triangle.extent() * n.unit()), shear)
         }
         9 => Ray::new(origin, (target - origin) * n.pick(&[1e-20, 1e20])),
         _ => nonsense(origin, n),

@@ -40,8 +40,8 @@ pub fn soup(random: &mut Random) -> Vec<Triangle> {
     (0..3000).map(triangle).collect()
 }
 
-fn bits(hit: &Hit) -> [u32; 4] {
-    [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive]
+fn bits(hit: &Hit) -> [u32; 5] {
+    [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive, hit.instance]
 }
 
 /// Every structure on the device under test against brute force on the CPU: the same bits for all of `count` rays.

@@ -185,7 +185,7 @@ fn streams_answer_their_own_batches() {
         let next = caster.trace_on(&streams[i % 2], on_device, room).unwrap();
         if let Some((last, expected)) = pending[i % 2].replace((next, *expected)) {
             let answered: raywarp::query::device::Answered<Closest> = last.wait().unwrap();
-            assert!(answered.answer.hits.download().unwrap() == expected, "before piece {i}");
+            assert!(answered.answer.hits.to_vec().unwrap() == expected, "before piece {i}");
             assert!(answered.rays.len() as usize == expected.len());
         }
     }

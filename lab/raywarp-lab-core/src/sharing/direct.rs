@@ -9,7 +9,7 @@ use raywarp_core::ray::Ray;
 use raywarp_core::traversal::bvh2::{Bvh2, MAX_DEPTH};
 use raywarp_core::traversal::query::Query;
 use raywarp_core::traversal::NullStatistics;
-use raywarp_core::view::{View, ViewMut};
+use raywarp_core::view::View;
 
 /// Answers a batch, one thread a ray.
 #[repr(C)]
@@ -19,7 +19,7 @@ pub struct Direct<F, Q: Query> {
     /// The batch.
     pub rays: View<Ray>,
     /// One a ray, written.
-    pub answers: ViewMut<Q::Answer>,
+    pub answers: Q::Answers,
     /// In what order the threads of a warp take steps.
     pub form: PhantomData<F>,
 }
@@ -37,7 +37,7 @@ impl<F: Form, Q: Query> Direct<F, Q> {
             F::turn(&mut search, &mut NullStatistics);
         }
         // SAFETY: one thread a ray.
-        unsafe { self.answers.set(thread.x, search.answer()) };
+        unsafe { Q::write(&self.answers, thread.x, search.answer()) };
     }
 }
 

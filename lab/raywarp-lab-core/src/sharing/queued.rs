@@ -25,7 +25,7 @@ pub struct Queued<Q: Query> {
     /// The batch.
     pub rays: View<Ray>,
     /// One a ray, written.
-    pub answers: ViewMut<Q::Answer>,
+    pub answers: Q::Answers,
     /// Units taken from each queue, and behind them the warps that are done; all zero before and after.
     pub taken: ViewMut<u32>,
     /// Warps that share a queue: those of a block, or one.
@@ -73,7 +73,7 @@ impl<Q: Query> Queued<Q> {
                 WhileWhile::turn(search, &mut NullStatistics);
             }
             // SAFETY: every unit is taken once.
-            unsafe { self.answers.set(index, search.answer()) };
+            unsafe { Q::write(&self.answers, index, search.answer()) };
         }
         // SAFETY: all threads of the warp took this unit.
         unsafe { arch::syncwarp(u32::MAX) };

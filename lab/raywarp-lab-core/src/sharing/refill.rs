@@ -24,7 +24,7 @@ pub struct Refill<F, Q: Query> {
     /// The batch.
     pub rays: View<Ray>,
     /// One a ray, written.
-    pub answers: ViewMut<Q::Answer>,
+    pub answers: Q::Answers,
     /// Rays taken, and behind it the warps that are done; zero before and after.
     pub taken: ViewMut<u32>,
     /// Warps of the launch.
@@ -57,7 +57,7 @@ impl<F: Form, Q: Query> Refill<F, Q> {
                     F::turn(&mut search, &mut NullStatistics);
                     if search.is_over() {
                         // SAFETY: every ray is taken once.
-                        unsafe { self.answers.set(index, search.answer()) };
+                        unsafe { Q::write(&self.answers, index, search.answer()) };
                         index = MISS;
                     }
                 }

@@ -4,7 +4,7 @@ use super::grid::{half, Grid, GridRay};
 use raywarp_core::math::{vec3, Vec3};
 use raywarp_core::ray::Ray;
 use raywarp_core::stack::{Stack, Storage};
-use raywarp_core::traversal::{Counter, Structure, Visitor};
+use raywarp_core::traversal::{Counter, Structure, Visitor, WorldSpace};
 use raywarp_core::triangle::{RayShear, Triangle};
 use raywarp_core::view::View;
 
@@ -101,6 +101,7 @@ impl Group {
 
 impl Structure for Bvh8 {
     const NAME: &'static str = "bvh8";
+    type Space = WorldSpace;
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {

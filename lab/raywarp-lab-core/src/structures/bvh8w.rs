@@ -6,7 +6,7 @@ use raywarp_core::math::Vec3;
 use raywarp_core::ray::Ray;
 use raywarp_core::stack::{Stack, Storage};
 use raywarp_core::traversal::bvh2::Child;
-use raywarp_core::traversal::{Counter, Structure, Visitor};
+use raywarp_core::traversal::{Counter, Structure, Visitor, WorldSpace};
 use raywarp_core::triangle::{RayShear, Triangle};
 use raywarp_core::view::View;
 
@@ -66,6 +66,7 @@ struct Entry {
 
 impl Structure for Bvh8w {
     const NAME: &'static str = "bvh8w";
+    type Space = WorldSpace;
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {

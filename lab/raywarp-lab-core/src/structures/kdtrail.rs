@@ -8,7 +8,7 @@
 
 use raywarp_core::ray::Ray;
 use raywarp_core::traversal::kdtree::{later, Cell, KdTree, Way, MAX_DEPTH};
-use raywarp_core::traversal::{Counter, Structure, Visitor};
+use raywarp_core::traversal::{Counter, Structure, Visitor, WorldSpace};
 use raywarp_core::triangle::RayShear;
 
 /// A tree to be traversed so.
@@ -90,6 +90,7 @@ impl Trail {
 
 impl Structure for KdTrail {
     const NAME: &'static str = "kdtrail";
+    type Space = WorldSpace;
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {

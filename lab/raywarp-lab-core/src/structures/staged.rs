@@ -6,7 +6,7 @@
 
 use raywarp_core::arch;
 use raywarp_core::ray::Ray;
-use raywarp_core::traversal::{Counter, Structure, Visitor};
+use raywarp_core::traversal::{Counter, Structure, Visitor, WorldSpace};
 use raywarp_core::triangle::{RayShear, Triangle};
 use raywarp_core::view::View;
 
@@ -20,6 +20,7 @@ pub struct Staged {
 
 impl Structure for Staged {
     const NAME: &'static str = "staged";
+    type Space = WorldSpace;
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {

@@ -11,8 +11,8 @@ use crate::common::{ray, scene, Numbers, AIMS, FAMILIES};
 use crate::{devices, every_tree, OWN};
 
 /// The bits, so that equal means equal.
-fn bits(hit: &Hit) -> [u32; 4] {
-    [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive]
+fn bits(hit: &Hit) -> [u32; 5] {
+    [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive, hit.instance]
 }
 
 /// The first hits along the ray, one after the other, and what a shadow ray meets, are those of brute force.

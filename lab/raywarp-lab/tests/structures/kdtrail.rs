@@ -12,7 +12,7 @@ use raywarp_lab::structures::{kdtree_sah, trail};
 
 /// All hits of a ray.
 #[derive(Default)]
-struct List(Vec<[u32; 4]>);
+struct List(Vec<[u32; 5]>);
 
 impl Keep for List {
     fn keep(&mut self, _: u32, hit: &Hit) {
@@ -20,8 +20,8 @@ impl Keep for List {
     }
 }
 
-fn bits(hit: &Hit) -> [u32; 4] {
-    [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive]
+fn bits(hit: &Hit) -> [u32; 5] {
+    [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive, hit.instance]
 }
 
 /// What the queries answer, and what each of them counts.

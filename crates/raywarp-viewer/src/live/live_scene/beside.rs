@@ -30,7 +30,7 @@ impl<T: Send + 'static> Beside<T> {
         Self(receiver)
     }
 
-    pub fn view_settings(&self) -> Progress<T> {
+    pub fn poll(&self) -> Progress<T> {
         match self.0.try_recv() {
             Ok(result) => Progress::Done(result),
             Err(TryRecvError::Empty) => Progress::Running,
@@ -44,7 +44,7 @@ impl<T: Send + 'static> Beside<T> {
 /// # Errors
 /// What `lost` gives where the work ended without a result.
 pub fn take<T: Send + 'static, E>(place: &mut Option<Beside<T>>, lost: impl FnOnce() -> E) -> Option<Result<T, E>> {
-    let result = match place.as_ref()?.view_settings() {
+    let result = match place.as_ref()?.poll() {
         Progress::Running => return None,
         Progress::Done(result) => Ok(result),
         Progress::Lost => Err(lost()),

@@ -6,6 +6,7 @@ use std::time::SystemTime;
 
 use raywarp::accel::{AccelKind, Build, Quality};
 use raywarp::device::Device;
+use raywarp::query::Levels;
 use raywarp::render::{self, world_triangles, Structure, Tracer};
 use raywarp::scene::load::{self, Attempt};
 use raywarp::scene::{Camera, Instance, LoadOptions, Loaded, Material, RenderDefaults, Scene};
@@ -95,7 +96,9 @@ impl Order {
         let good = self.chosen.unwrap_or(first);
         let count: usize =
             scene.instances.iter().map(|i| scene.meshes.get(i.mesh).map_or(0, |mesh| mesh.triangles.len())).sum();
-        let what = if count < self.options.at_once { good } else { quick(good) };
+        // What is over instances is built but once.
+        let is_instanced = Levels::Auto.are_two(&scene);
+        let what = if is_instanced || count < self.options.at_once { good } else { quick(good) };
         let tracer = Tracer::new(&scene, what, &self.device)?;
         let dropped = tracer.report().dropped;
         dropped.allow(self.source.strict)?;

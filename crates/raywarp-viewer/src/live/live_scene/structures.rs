@@ -88,6 +88,9 @@ impl LiveScene {
         let rests = self.motion.last.is_none_or(|last| last.elapsed() > REST);
         let settled = self.motion.pending.is_empty() && !self.motion.stale;
         let (Some(ready), Some(wanted)) = (&self.ready, self.wanted()) else { return Ok(()) };
+        if ready.tracer.structure().has_instances() {
+            return Ok(());
+        }
         let as_wanted = same(built(ready), wanted);
         if self.building.is_none() && rests && settled && (!as_wanted || self.motion.refitted) {
             // A tree of a scene that somebody arranges is seen once.
@@ -145,7 +148,12 @@ impl LiveScene {
         self.motion.shape += 1;
         self.motion.last = Some(Instant::now());
         let Some(ready) = &mut self.ready else { return Ok(()) };
-        if self.motion.stale || ready.tracer.structure().kind != Some(AccelKind::Bvh2) {
+        let is_instanced = ready.tracer.structure().has_instances();
+        if is_instanced && self.motion.stale {
+            self.reload();
+            return Ok(());
+        }
+        if !is_instanced && (self.motion.stale || ready.tracer.structure().kind != Some(AccelKind::Bvh2)) {
             if self.building.as_ref().is_none_or(|building| building.shape.is_some()) {
                 self.build(prepare::movable(), None);
             }
@@ -154,19 +162,22 @@ impl LiveScene {
         let instances = &ready.edits.scene().instances;
         for index in std::mem::take(&mut self.motion.pending) {
             if !ready.tracer.move_instance(&ready.scene, instances, index)? {
-                // Turned inside out: everything is made anew.
+                // It has to be in world space now, or no longer: everything is made anew.
                 self.reload();
                 return Ok(());
             }
             ready.placed[index].clone_from(&instances[index]);
         }
-        (self.motion.refitted, self.edition, self.trees) = (true, self.edition + 1, self.trees + 1);
+        (self.motion.refitted, self.edition, self.trees) = (!is_instanced, self.edition + 1, self.trees + 1);
         Ok(())
     }
 
     /// Asks for another structure.
     pub(in crate::live) fn choose(&mut self, what: Build) {
         self.chosen = Some(what);
+        if self.ready.as_ref().is_some_and(|ready| ready.tracer.structure().has_instances()) {
+            return self.reload();
+        }
         if let Err(error) = self.follow() {
             self.fail(error);
         }

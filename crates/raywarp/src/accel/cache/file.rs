@@ -14,7 +14,7 @@ use crate::accel::bvh2::Bvh2;
 use crate::accel::Build;
 
 /// Of the format and of the builders: to be raised when either changes.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 const MAGIC: [u8; 8] = *b"raywarpT";
 
@@ -41,7 +41,7 @@ fn bytes_of(triangles: &[Triangle]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(48 * triangles.len());
     for t in triangles {
         let corners = [t.v0, t.v1, t.v2].into_iter().flat_map(|v| v.to_array()).map(f32::to_bits);
-        for word in corners.chain([t.primitive, t.flags, t.extent.to_bits()]) {
+        for word in corners.chain([t.primitive, t.flags, t.instance]) {
             bytes.extend(word.to_le_bytes());
         }
     }

@@ -3,12 +3,11 @@
 use std::time::Instant;
 
 use rayon::prelude::*;
-use raywarp_core::ray::MISS;
 use raywarp_core::traversal::bvh2::Child;
-use raywarp_core::traversal::two_level::{Instance, MIRRORED};
+use raywarp_core::traversal::two_level::Instance;
 use raywarp_core::triangle::{flags, Triangle};
 
-use super::bake::{bake, is_mirrored};
+use super::bake::bake;
 use super::join::{cover, Arrays};
 use super::place::Inverse;
 use super::{upper, InstancedStats, Placement, TwoLevel};
@@ -29,19 +28,65 @@ const ALL_FLAGS: u32 = flags::CUTOUT | flags::TRANSPARENT;
 /// undo. Placements of a mesh that has no triangle to hit are left out.
 ///
 /// # Errors
-/// A placement of a mesh that is not there, a primitive of 2^32 - 1 or more, or more triangles or instances than links
-/// can tell apart.
+/// A placement of a mesh that is not there, or more triangles or instances than links can tell apart.
 pub fn build(meshes: Vec<Vec<Triangle>>, placements: &[Placement], quality: Quality) -> Result<TwoLevel, BuildError> {
-    let start = Instant::now();
-    check(&meshes, placements)?;
-    let mut meshes: Vec<Mesh> = meshes.into_par_iter().map(Mesh::new).collect();
-    let fates = decide(&meshes, placements);
-    let (baked, baked_dropped) = bake_all(&meshes, placements, &fates);
-    let mut stats = count(&meshes, placements, &fates, baked_dropped);
+    Plan::new(meshes, placements.to_vec())?.build(quality)
+}
+
+/// What is built, and what becomes of each placement: a function of what is placed, and of nothing else.
+pub struct Plan {
+    meshes: Vec<Mesh>,
+    placements: Vec<Placement>,
+    fates: Vec<Fate>,
+    start: Instant,
+}
+
+impl Plan {
+    /// Of meshes and where they are placed.
+    ///
+    /// # Errors
+    /// A placement of a mesh that is not there.
+    pub fn new(meshes: Vec<Vec<Triangle>>, placements: Vec<Placement>) -> Result<Self, BuildError> {
+        let start = Instant::now();
+        check(&meshes, &placements)?;
+        let meshes: Vec<Mesh> = meshes.into_par_iter().map(Mesh::new).collect();
+        let fates = decide(&meshes, &placements);
+        Ok(Self { meshes, placements, fates, start })
+    }
+
+    /// Whether a placement is an instance of a mesh that stays in a space of its own, and not baked.
+    pub fn is_shared(&self, placement: usize) -> bool {
+        self.fates[placement] == Fate::Shared
+    }
+
+    /// How many there are.
+    pub(crate) fn placements(&self) -> usize {
+        self.placements.len()
+    }
+
+    /// Builds the trees.
+    ///
+    /// # Errors
+    /// More triangles or instances than links can tell apart.
+    pub fn build(self, quality: Quality) -> Result<TwoLevel, BuildError> {
+        let Self { meshes, placements, fates, start } = self;
+        grow(meshes, &placements, &fates, quality, start)
+    }
+}
+
+fn grow(
+    mut meshes: Vec<Mesh>,
+    placements: &[Placement],
+    fates: &[Fate],
+    quality: Quality,
+    start: Instant,
+) -> Result<TwoLevel, BuildError> {
+    let (baked, baked_dropped) = bake_all(&meshes, placements, fates);
+    let mut stats = count(&meshes, placements, fates, baked_dropped);
 
     // Each tree with the boxes that instances turn; the baked one's is the first.
     let mut trees: Vec<Bvh2> = if baked.is_empty() { Vec::new() } else { vec![tree(baked, quality)?] };
-    let (first, shared) = (trees.len(), number(&fates, placements, meshes.len()));
+    let (first, shared) = (trees.len(), number(fates, placements, meshes.len()));
     let ordered: Vec<Vec<Triangle>> = shared.iter().map(|&mesh| std::mem::take(&mut meshes[mesh].triangles)).collect();
     trees.extend(ordered.into_par_iter().map(|mesh| tree(mesh, quality)).collect::<Result<Vec<_>, _>>()?);
     let covers: Vec<Vec<Bounds>> = trees.par_iter().map(|tree| cover(&tree.nodes, Child::node(0))).collect();
@@ -52,7 +97,7 @@ pub fn build(meshes: Vec<Vec<Triangle>>, placements: &[Placement], quality: Qual
     }
     let mut part_of = vec![0; meshes.len()];
     shared.iter().zip(first..).for_each(|(&mesh, part)| part_of[mesh] = part);
-    for (placement, fate) in placements.iter().zip(&fates) {
+    for (placement, fate) in placements.iter().zip(fates) {
         let inverse = (*fate == Fate::Shared).then(|| Inverse::of(&placement.transform)).flatten();
         if let Some(inverse) = inverse {
             let part = part_of[placement.mesh];
@@ -102,18 +147,12 @@ enum Fate {
 }
 
 fn check(meshes: &[Vec<Triangle>], placements: &[Placement]) -> Result<(), BuildError> {
-    let last = |mesh: &Vec<Triangle>| mesh.iter().map(|triangle| triangle.primitive).max();
-    let last: Vec<Option<u32>> = meshes.par_iter().map(last).collect();
-    for (placement, p) in placements.iter().zip(0..) {
-        let Some(last) = last.get(placement.mesh) else {
-            return Err(BuildError::NoSuchMesh { placement: p, mesh: placement.mesh, count: meshes.len() });
-        };
-        let end = u64::from(placement.first_primitive) + last.map_or(0, |last| u64::from(last) + 1);
-        if end > u64::from(MISS) {
-            return Err(BuildError::TooManyPrimitives { has: end, limit: MISS });
+    match placements.iter().position(|placement| placement.mesh >= meshes.len()) {
+        Some(placement) => {
+            Err(BuildError::NoSuchMesh { placement, mesh: placements[placement].mesh, count: meshes.len() })
         }
+        None => Ok(()),
     }
-    Ok(())
 }
 
 fn decide(meshes: &[Mesh], placements: &[Placement]) -> Vec<Fate> {
@@ -185,12 +224,11 @@ struct Placed {
 
 impl Placed {
     fn add(&mut self, placement: &Placement, inverse: &Inverse, part: usize, cover: &[Bounds]) {
-        let mirrored = if is_mirrored(&placement.transform) { MIRRORED } else { 0 };
         self.instances.push(Instance {
             rows: inverse.rows,
-            first_primitive: placement.first_primitive,
+            index: placement.instance,
             keep: if placement.flags.is_some() { 0 } else { ALL_FLAGS },
-            flags: placement.flags.unwrap_or(0) & ALL_FLAGS | mirrored,
+            flags: placement.flags.unwrap_or(0) & ALL_FLAGS,
             ..Instance::IDENTITY
         });
         self.parts.push(part);

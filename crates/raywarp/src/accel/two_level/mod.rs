@@ -10,7 +10,10 @@ mod build;
 mod join;
 mod place;
 mod upper;
+mod upper_tree;
 mod validate;
+
+use std::ops::Range;
 
 use raywarp_core::ray::{Hit, Ray};
 use raywarp_core::traversal;
@@ -19,11 +22,13 @@ use raywarp_core::traversal::two_level::Instance;
 use raywarp_core::traversal::{closest, occlusion, Counter, Occlusion};
 use raywarp_core::triangle::Triangle;
 
+use super::kdtree::KdTree;
 use super::view::{lend, Borrowed};
-use super::Dropped;
+use super::{kdtree_median, BuildError, Dropped};
 use crate::scene::Transform;
 
-pub use build::build;
+pub use build::{build, Plan};
+pub(crate) use upper_tree::UpperTree;
 
 /// A mesh put into the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,8 +37,8 @@ pub struct Placement {
     pub mesh: usize,
     /// Mesh space to world space.
     pub transform: Transform,
-    /// What its triangle 0 is called in the scene; the others follow. Below 2^32 - 1 for all of them.
-    pub first_primitive: u32,
+    /// Index of the instance in the scene, below 2^32 - 1.
+    pub instance: u32,
     /// [`raywarp_core::triangle::flags`] of every triangle, in place of the mesh's own.
     pub flags: Option<u32>,
 }
@@ -86,6 +91,28 @@ impl TwoLevel {
     /// Inner nodes of all trees; 0 is the root of the upper one.
     pub fn nodes(&self) -> &[Node] {
         &self.nodes
+    }
+
+    /// How many of them are the upper tree's: the first.
+    pub(crate) fn upper_nodes(&self) -> usize {
+        self.parts.first().map_or(0, |part| part.node as usize)
+    }
+
+    /// Which of the meshes' trees an instance is of.
+    pub(crate) fn part_of(&self, instance: &Instance) -> u32 {
+        self.parts.partition_point(|part| part.node < instance.root.index()) as u32
+    }
+
+    /// The paper's tree over each mesh.
+    pub(crate) fn kd_trees(&self) -> Result<Vec<KdTree>, BuildError> {
+        self.meshes().map(|mesh| kdtree_median::build(self.triangles[mesh].to_vec())).collect()
+    }
+
+    /// The triangles of each mesh, in the order of its leaves.
+    pub(crate) fn meshes(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        let first = |part: &Part| part.triangle as usize;
+        let ends = self.parts.iter().skip(1).map(first).chain([self.triangles.len()]);
+        self.parts.iter().zip(ends).map(move |(part, end)| first(part)..end)
     }
 
     /// Of all meshes, in the order of the leaves.

@@ -12,13 +12,12 @@ use crate::accel::bvh2::{child_box, children_of, Bvh2};
 use crate::accel::Invalid;
 
 impl TwoLevel {
-    /// Whether a traversal ends, stays within the arrays, meets every triangle that a ray may hit and calls it by a name
-    /// of its own mesh.
+    /// Whether a traversal ends, stays within the arrays and meets every triangle that a ray may hit.
     ///
     /// # Errors
     /// The first flaw found.
     pub fn validate(&self) -> Result<(), Invalid> {
-        let upper = self.parts.first().map_or(0, |part| part.node as usize);
+        let upper = self.upper_nodes();
         if upper == 0 || upper > self.nodes.len() {
             return Err(Invalid::NoRoot);
         }
@@ -52,15 +51,14 @@ impl TwoLevel {
 
     /// The box that each instance needs in the world; none for one of an empty mesh.
     fn check_instances(&self) -> Result<Vec<Option<Bounds>>, Invalid> {
-        let largest: Vec<u32> = (0..self.parts.len()).map(|part| self.largest_primitive(part)).collect();
         let covers: Vec<_> = self.parts.iter().map(|part| cover(&self.nodes, Child::node(part.node))).collect();
         let check = |(number, instance): (u32, &Instance)| {
             let wrong = |flaw| Invalid::Instance { instance: number, flaw };
             let part = self.parts.binary_search_by(|part| part.node.cmp(&instance.root.index()));
             let part = part.ok().filter(|_| !instance.root.is_leaf());
             let part = part.ok_or_else(|| wrong("begins at a node that is the root of no mesh"))?;
-            if instance.first_primitive.checked_add(largest[part]).is_none_or(|last| last == MISS) {
-                return Err(wrong("calls a triangle by a number that means a miss"));
+            if instance.index == MISS {
+                return Err(wrong("has the number that means a miss"));
             }
             let inverse = Inverse::of_rows(instance.rows);
             let inverse = inverse.ok_or_else(|| wrong("has a transform that cannot be undone"))?;
@@ -70,13 +68,6 @@ impl TwoLevel {
             Ok(inverse.world_bounds(&covers[part]))
         };
         (0..).zip(&self.instances).map(check).collect()
-    }
-
-    fn largest_primitive(&self, part: usize) -> u32 {
-        let first = self.parts[part].triangle as usize;
-        let end = self.parts.get(part + 1).map_or(self.triangles.len(), |next| next.triangle as usize);
-        // The triangle of an empty mesh has no name.
-        self.triangles[first..end].iter().map(|t| t.primitive).filter(|&p| p != MISS).max().unwrap_or(0)
     }
 }
 
@@ -171,7 +162,7 @@ mod tests {
         let place = |mesh: usize, x: f32| {
             let columns = [[0.0, 1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.5, 3.0]];
             let transform = Transform { columns, translation: [x, 0.0, 0.0] };
-            Placement { mesh, transform, first_primitive: x as u32, flags: None }
+            Placement { mesh, transform, instance: x as u32, flags: None }
         };
         let places = [place(0, 0.0), place(0, 30.0), place(1, 60.0), place(0, 90.0), place(1, 120.0)];
         build(vec![row(20), row(30)], &places, Quality::default()).unwrap()
@@ -214,7 +205,7 @@ mod tests {
         };
         assert!(broken(|tree| tree.instances[1].root = Child::node(0)).contains("root of no mesh"));
         assert!(broken(|tree| tree.instances[1].root = Child::leaf(4, 1)).contains("root of no mesh"));
-        assert!(broken(|tree| tree.instances[2].first_primitive = MISS - 29).contains("means a miss"));
+        assert!(broken(|tree| tree.instances[2].index = MISS).contains("means a miss"));
         assert!(broken(|tree| tree.instances[1].rows[1] = [0.0; 4]).contains("cannot be undone"));
         assert!(broken(|tree| tree.instances[1].rows[0][0] += 20.0).contains("slack"));
         assert!(broken(|tree| tree.instances[1].rows[0][3] += 0.5).contains("sticks out"));

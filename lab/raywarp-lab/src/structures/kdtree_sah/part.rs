@@ -48,7 +48,7 @@ impl Part {
 /// Around the points of a cell where a ray may be found to hit the triangle, which is a margin beside it at most. So it
 /// is cut by the cell with the margin added, and not by the cell itself: a triangle just outside belongs to the cell too.
 pub(super) fn share(triangle: &Triangle, cell: &Bounds) -> Option<Bounds> {
-    let near = Bounds::padded(cell.low, cell.high, triangle.extent);
+    let near = Bounds::padded(cell.low, cell.high, triangle.extent());
     let polygon = Polygon::of(triangle).within(&near)?;
     Some(clamped(&polygon.bounds(triangle), cell))
 }

@@ -1,11 +1,9 @@
 //! Whether a scene's meshes are placed by instances of a structure, or brought to world space one by one.
 
-use super::{Geometries, QueryError, RayCaster, Report, Shared};
-use crate::accel::two_level::{self, Placement, TwoLevel};
-use crate::accel::{BuildError, Quality, ResidentTwoLevel};
-use crate::device::Device;
-use crate::render::{check_instance, check_mesh, flags_of, RenderError};
-use crate::scene::{Mesh, Scene};
+use super::{check_instance, check_mesh, flags_of, RenderError};
+use crate::accel::two_level::{Placement, Plan, TwoLevel};
+use crate::accel::Quality;
+use crate::scene::{Instance, Material, Mesh, Scene};
 use crate::Triangle;
 
 /// One structure over all triangles of the world, or one for each mesh under one of the instances.
@@ -45,38 +43,36 @@ impl Levels {
     }
 }
 
-/// The structure of two levels over a scene. Its primitives count through the instances in the order of the scene, and
-/// in each through the triangles of its mesh: as in the scene brought to world space.
+/// The structure of two levels over a scene.
 ///
 /// # Errors
-/// [`RenderError::Scene`] for an index out of range; [`RenderError::Build`] for a scene of 2^32 - 1 triangles or more.
+/// [`RenderError::Scene`] for an index out of range.
 pub fn two_level(scene: &Scene, quality: Quality) -> Result<TwoLevel, RenderError> {
-    let flags: Vec<u32> = scene.materials.iter().map(flags_of).collect();
-    let mut placements = Vec::with_capacity(scene.instances.len());
+    Ok(plan(scene, &scene.instances, &scene.materials)?.build(quality)?)
+}
+
+/// What that is, with these instances and materials instead of the scene's own, and which of them it bakes.
+///
+/// # Errors
+/// As for [`two_level`].
+pub(crate) fn plan(scene: &Scene, instances: &[Instance], materials: &[Material]) -> Result<Plan, RenderError> {
+    let flags: Vec<u32> = materials.iter().map(flags_of).collect();
+    let mut placements = Vec::with_capacity(instances.len());
     let mut placed = vec![false; scene.meshes.len()];
-    let mut first = 0u64;
-    for instance in &scene.instances {
+    for (instance, index) in instances.iter().zip(0..) {
         let mesh = check_instance(scene, instance)?;
         if !std::mem::replace(&mut placed[instance.mesh], true) {
             check_mesh(scene, instance, mesh)?;
         }
-        let end = first + mesh.triangles.len() as u64;
-        let limit = u32::MAX;
-        if end > u64::from(limit) {
-            let has = scene.instances.iter().filter_map(|i| scene.meshes.get(i.mesh));
-            let has = has.map(|mesh| mesh.triangles.len() as u64).sum();
-            return Err(BuildError::TooManyPrimitives { has, limit }.into());
-        }
         placements.push(Placement {
             mesh: instance.mesh,
             transform: instance.transform,
-            first_primitive: first as u32,
+            instance: index,
             flags: instance.material.map(|material| flags[material as usize]),
         });
-        first = end;
     }
     let mesh = |(mesh, &placed): (&Mesh, &bool)| if placed { triangles(mesh, &flags) } else { Vec::new() };
-    Ok(two_level::build(scene.meshes.iter().zip(&placed).map(mesh).collect(), &placements, quality)?)
+    Ok(Plan::new(scene.meshes.iter().zip(&placed).map(mesh).collect(), placements)?)
 }
 
 /// In the space of the mesh, whose indices were checked.
@@ -88,23 +84,12 @@ fn triangles(mesh: &Mesh, flags: &[u32]) -> Vec<Triangle> {
     mesh.triangles.iter().zip(&mesh.materials).zip(0..).map(triangle).collect()
 }
 
-impl RayCaster {
-    /// Copies a structure of two levels to a device.
-    ///
-    /// # Errors
-    /// The device has no room.
-    pub fn from_instanced(tree: &TwoLevel, device: &Device) -> Result<Self, QueryError> {
-        let structure = Box::new(ResidentTwoLevel::upload(device, tree)?);
-        let (geometries, report) = (Geometries::default(), Report::of_instanced(tree));
-        Ok(Self::sharing(Shared { device: device.clone(), structure, geometries, report }))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::DeviceChoice;
-    use crate::scene::{Instance, Material, Transform};
+    use crate::device::{Device, DeviceChoice};
+    use crate::query::RayCaster;
+    use crate::scene::Transform;
     use crate::{Ray, Vec3};
 
     /// Level strips of `triangles` triangles side by side, each a step higher than the one before.
@@ -126,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn primitives_count_through_the_instances() {
+    fn hits_say_instance_and_primitive() {
         let scene = scene(5, 10);
         let tree = two_level(&scene, Quality::default()).unwrap();
         assert_eq!(tree.validate(), Ok(()));
@@ -135,7 +120,7 @@ mod tests {
         let rays: Vec<Ray> = (0..6).map(down).collect();
         let hits = caster.hits(&rays).unwrap();
         for (i, hit) in hits[..5].iter().enumerate() {
-            assert_eq!(hit.primitive, 10 * i as u32);
+            assert_eq!([hit.instance, hit.primitive], [i as u32, 0]);
             assert!((hit.t - (10.0 - i as f32)).abs() < 1e-5, "{hit:?}");
         }
         assert!(hits[5].is_miss());
@@ -162,15 +147,5 @@ mod tests {
             damage(&mut broken);
             assert!(matches!(two_level(&broken, Quality::default()), Err(RenderError::Scene { .. })));
         }
-    }
-
-    /// Ten thousand placements of half a million triangles: more than 32 bits tell apart, and nothing is built for it.
-    #[test]
-    fn more_triangles_than_have_a_name_are_an_error() {
-        let error = two_level(&scene(10_000, 500_000), Quality::default()).unwrap_err();
-        let (has, limit) = (5_000_000_000, u32::MAX);
-        assert!(
-            matches!(error, RenderError::Build(BuildError::TooManyPrimitives { has: h, limit: l }) if (h, l) == (has, limit))
-        );
     }
 }
