@@ -48,6 +48,11 @@ fn shipped(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(name)
 }
 
+/// The files that the built-in scene is made of.
+fn built_in(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../raywarp-scene/built-in").join(name)
+}
+
 /// A folder with an OBJ, a glTF and a scene file on that one.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
@@ -68,9 +73,8 @@ fn folder() -> TempDir {
 fn originals(folder: &Path) -> Vec<Option<PathBuf>> {
     let mut all = vec![None];
     all.extend(["m.obj", "lamps.gltf", "on.toml"].map(|name| Some(folder.join(name))));
-    let names =
-        ["paper/paper.toml", "paper/suzanne.ply", "cornell/cornell.toml", "glass/glass.toml", "glass/sphere.obj"];
-    all.extend(names.map(|name| Some(shipped(name))));
+    all.extend(["paper.toml", "suzanne.ply"].map(|name| Some(built_in(name))));
+    all.extend(["cornell/cornell.toml", "glass/glass.toml", "glass/sphere.obj"].map(|name| Some(shipped(name))));
     all
 }
 
