@@ -6,7 +6,7 @@ use raywarp::query::{two_level, RayCaster};
 use raywarp::scene::{Instance, Scene, Transform};
 use raywarp::{Hit, Ray, Triangle, Vec3};
 
-use crate::{device, reference, scaled, scene, Random};
+use super::{device, reference, scaled, scene, Random};
 
 /// The built-in mesh `count` times: turned, sheared, mirrored, of many sizes, some of them in the same place.
 fn copies(count: usize) -> Scene {
