@@ -1,8 +1,6 @@
 //! `raywarp bench` as a process: which rays are measured, and what is said of them. Never how fast.
 
-mod common;
-
-use common::{Place, Run, SCENE};
+use crate::common::{Place, Run, SCENE};
 use serde_json::Value;
 
 const KINDS: [&str; 6] = ["primary", "shadow", "ao", "reflected", "diffuse", "random"];

@@ -1,8 +1,6 @@
 //! `raywarp bench --live` as a process: what is measured, and what is said of it. Never how fast.
 
-mod common;
-
-use common::{Place, Run, SCENE};
+use crate::common::{Place, Run, SCENE};
 use serde_json::Value;
 
 fn place() -> Place {

@@ -1,12 +1,10 @@
 //! `raywarp serve` and its page in a real browser. Where there is none, these tests say so and pass.
 
-mod common;
-
 use std::sync::{Mutex, PoisonError};
 
-use common::browser::Browser;
-use common::server::Server;
-use common::{Place, SCENE};
+use crate::common::browser::Browser;
+use crate::common::server::Server;
+use crate::common::{Place, SCENE};
 
 /// One browser at a time: they are heavy.
 static ALONE: Mutex<()> = Mutex::new(());

@@ -1,8 +1,6 @@
 //! Every kind of bad input: the exit code and the sentence.
 
-mod common;
-
-use common::{Place, SCENE};
+use crate::common::{Place, SCENE};
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 

@@ -1,12 +1,10 @@
 //! What the program does when all is well: pictures are what was asked for.
 
-mod common;
-
 use std::io::Read;
 use std::path::Path;
 use std::process::Stdio;
 
-use common::{png, Place, SCENE};
+use crate::common::{png, Place, SCENE};
 
 fn place() -> Place {
     let place = Place::new();

@@ -1,11 +1,9 @@
 //! Turntables and camera flights: names, resuming, parts, animations, and what is refused.
 
-mod common;
-
 use std::io::BufReader;
 use std::path::Path;
 
-use common::{png, Place, SCENE};
+use crate::common::{png, Place, SCENE};
 
 /// A scene with paths: past the triangle and on to where nothing is, and a loop.
 const PATHS: &str = r#"
@@ -42,7 +40,7 @@ fn place() -> Place {
 }
 
 /// `render scene.toml` of small frames.
-fn render(place: &Place, arguments: &[&str]) -> common::Run {
+fn render(place: &Place, arguments: &[&str]) -> crate::common::Run {
     place.render(&[&["scene.toml", "--size", "16x12"], arguments].concat())
 }
 
@@ -289,11 +287,11 @@ fn put_ffmpeg(place: &Place, script: &str) {
 
 /// `render` with only that ffmpeg on the path.
 #[cfg(unix)]
-fn with_ffmpeg(place: &Place, script: &str, arguments: &[&str]) -> common::Run {
+fn with_ffmpeg(place: &Place, script: &str, arguments: &[&str]) -> crate::common::Run {
     put_ffmpeg(place, script);
     let words = [&["render", "--device", "cpu", "scene.toml", "--size", "16x12"], arguments].concat();
     let output = place.command(&words).env("PATH", place.path("bin")).output().unwrap();
-    common::Run(output, words.join(" "))
+    crate::common::Run(output, words.join(" "))
 }
 
 #[cfg(unix)]
@@ -331,7 +329,7 @@ fn without_ffmpeg_it_is_said_what_to_do() {
     let place = place();
     let words = ["render", "--frames", "1..9", "--orbit", "--spp", "10000", "--animation", "a.mp4"];
     let output = place.command(&words).env("PATH", place.path("empty")).output().unwrap();
-    common::Run(output, words.join(" ")).fails(
+    crate::common::Run(output, words.join(" ")).fails(
         2,
         "cannot write a.mp4: that takes ffmpeg, and there is none on the PATH. Install ffmpeg, or write a .gif",
     );

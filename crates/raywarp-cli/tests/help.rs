@@ -1,8 +1,6 @@
 //! The help, word by word; completions and manual pages from the same definitions.
 
-mod common;
-
-use common::Place;
+use crate::common::Place;
 
 fn help(arguments: &[&str]) -> String {
     Place::new().run(arguments).succeeds().out()
@@ -10,16 +8,19 @@ fn help(arguments: &[&str]) -> String {
 
 #[test]
 fn the_help_reads_as_it_should() {
-    insta::assert_snapshot!("raywarp", help(&["--help"]));
-    insta::assert_snapshot!("render", help(&["render", "--help"]));
-    insta::assert_snapshot!("view", help(&["view", "--help"]));
-    insta::assert_snapshot!("query", help(&["query", "--help"]));
-    insta::assert_snapshot!("serve", help(&["serve", "--help"]));
-    insta::assert_snapshot!("info", help(&["info", "--help"]));
-    insta::assert_snapshot!("bench", help(&["bench", "--help"]));
-    insta::assert_snapshot!("doctor", help(&["doctor", "--help"]));
-    insta::assert_snapshot!("completions", help(&["completions", "--help"]));
-    insta::assert_snapshot!("man", help(&["man", "--help"]));
+    let mut settings = insta::Settings::clone_current();
+    settings.set_prepend_module_to_snapshot(false);
+    let _bound = settings.bind_to_scope();
+    insta::assert_snapshot!("help__raywarp", help(&["--help"]));
+    insta::assert_snapshot!("help__render", help(&["render", "--help"]));
+    insta::assert_snapshot!("help__view", help(&["view", "--help"]));
+    insta::assert_snapshot!("help__query", help(&["query", "--help"]));
+    insta::assert_snapshot!("help__serve", help(&["serve", "--help"]));
+    insta::assert_snapshot!("help__info", help(&["info", "--help"]));
+    insta::assert_snapshot!("help__bench", help(&["bench", "--help"]));
+    insta::assert_snapshot!("help__doctor", help(&["doctor", "--help"]));
+    insta::assert_snapshot!("help__completions", help(&["completions", "--help"]));
+    insta::assert_snapshot!("help__man", help(&["man", "--help"]));
 }
 
 #[test]

@@ -1,9 +1,7 @@
 //! Nothing that a run reads is overwritten, whatever it is called and wherever links lead, and nothing is written before
 //! that is known.
 
-mod common;
-
-use common::{Place, Run};
+use crate::common::{Place, Run};
 
 /// A textured triangle, its picture, and an MTL that nobody has.
 fn place() -> Place {

@@ -1,11 +1,9 @@
 //! `raywarp query` as a process: answers are right in every format, and bad rays are told with their place.
 
-mod common;
-
 use std::io::{Read, Write};
 use std::process::Stdio;
 
-use common::{Place, Run};
+use crate::common::{Place, Run};
 
 /// Two squares at z = 0 and z = -1, each of two triangles.
 const SQUARES: &str = "\

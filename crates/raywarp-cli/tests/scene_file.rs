@@ -1,8 +1,6 @@
 //! Scene files that ask for how they are rendered, and edited ones that were saved.
 
-mod common;
-
-use common::{png, Place, SCENE};
+use crate::common::{png, Place, SCENE};
 use raywarp::scene::load::{self, LoadOptions};
 use raywarp::scene::save::{self, Original};
 

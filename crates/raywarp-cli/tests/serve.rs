@@ -1,12 +1,10 @@
 //! `raywarp serve` as a program: its words, its errors, its end. The page is tested in `browser.rs`.
 
-mod common;
-
 use std::io::{BufRead, BufReader, Read};
 use std::net::TcpListener;
 use std::process::{Command, Stdio};
 
-use common::{Place, SCENE};
+use crate::common::{Place, SCENE};
 
 #[test]
 fn a_taken_port_is_told_before_anything_is_read() {

@@ -1,18 +1,16 @@
 //! What a person before `raywarp serve` gets: pictures a second and the time from an input to its picture, in a browser on
 //! the machine that renders. A measurement, and no test; one line of JSON a scene:
 //!
-//!     cargo test --release -p raywarp-cli --test served -- --ignored --nocapture
+//!     cargo test --release -p raywarp-cli --test sessions served -- --ignored --nocapture
 //!
 //! `RAYWARP_MEASURE` names scene files, with commas (none: the built-in scene), `RAYWARP_TEST_DEVICE` the device,
 //! `RAYWARP_MEASURE_SIZE` the size of the page as 1920x1080.
 
-mod common;
-
 use std::time::Duration;
 
-use common::browser::Browser;
-use common::server::Server;
-use common::Place;
+use crate::common::browser::Browser;
+use crate::common::server::Server;
+use crate::common::Place;
 use serde_json::{json, Value};
 
 /// A drag in circles for some seconds, 125 steps a second, as a mouse makes them.

@@ -1,12 +1,10 @@
 //! Ctrl-C, SIGTERM and pipes whose reader has gone.
 #![cfg(unix)]
 
-mod common;
-
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use common::Place;
+use crate::common::Place;
 
 /// A grid of so many squares each way.
 fn grid(side: usize) -> String {

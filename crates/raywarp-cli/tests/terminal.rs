@@ -1,12 +1,10 @@
 //! What files are called, and what is called something in them, never gives orders to the terminal.
 #![cfg(target_os = "linux")]
 
-mod common;
-
 use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt;
 
-use common::{Place, Run, SCENE};
+use crate::common::{Place, Run, SCENE};
 
 /// Clears the screen, sets a title, the same by one character, and turns text around.
 const ORDERS: &str = "\u{1b}[2J\u{1b}]0;x\u{7}\u{9b}31m\u{202e}";

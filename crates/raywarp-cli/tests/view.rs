@@ -1,15 +1,13 @@
 //! `raywarp view` as a program: which front end it starts. The window has tests of its own, the page is tested in `browser.rs`.
 #![cfg(unix)]
 
-mod common;
-
 use std::io::{BufRead, BufReader, Read};
 use std::os::unix::fs::PermissionsExt;
 use std::process::{Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use common::{Place, SCENE};
+use crate::common::{Place, SCENE};
 
 /// Variables by which a desktop and a remote shell are told.
 const DESKTOP: [&str; 6] = ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET", "SSH_CONNECTION", "SSH_CLIENT", "SSH_TTY"];

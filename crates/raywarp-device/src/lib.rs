@@ -17,14 +17,13 @@ mod staging;
 mod stream;
 mod survey;
 
-use raywarp_core::kernels::Kernel;
-use raywarp_core::view::Plain;
-
 pub use buffer::Buffer;
 pub use choice::{DeviceChoice, ParseDeviceError};
 pub use error::DeviceError;
 pub use kernel_info::KernelInfo;
 pub use module::Module;
+pub use raywarp_core::kernels::Kernel;
+pub use raywarp_core::view::{Plain, View, ViewMut};
 pub use staging::Staging;
 pub use stream::Stream;
 pub use survey::{survey, DeviceInfo, DriverInfo, PtxInfo, Survey};

@@ -1,17 +1,15 @@
 //! What people do to a scene in the viewer, on the CPU or on the device that `RAYWARP_TEST_DEVICE` names: pictures are
 //! those of the edited scene, rendered anew.
 
-mod session;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use crate::session::{device, left, pixels, Session, SIZE, SPP};
 use raywarp::accel::AccelKind;
 use raywarp::render::{RenderOptions, Tracer};
 use raywarp::scene::{load, AlphaMode, LoadOptions, Scene, Viewpoint};
 use raywarp_viewer::live::{Event, LiveSceneOptions, Modifiers, Outcome, Row, Source, Value};
-use session::{device, left, pixels, Session, SIZE, SPP};
 
 /// Two things side by side on a floor, below a light.
 const SCENE: &str = r#"

@@ -1,16 +1,14 @@
 //! The interactive core as a front end uses it, on the CPU or on the device that `RAYWARP_TEST_DEVICE` names.
 
-mod session;
-
 use std::time::{Duration, Instant};
 
+use crate::session::{developed, device, Session, SIZE, SPP};
 use raywarp::accel::{AccelKind, Quality};
 use raywarp::image::Development;
 use raywarp::render::{RenderOptions, Tracer};
 use raywarp::scene::{load, Camera, RenderDefaults};
 use raywarp_viewer::live::{Event, LiveScene, LiveSceneOptions, Modifiers, Outcome, Source};
 use raywarp_viewer::ViewerError;
-use session::{developed, device, Session, SIZE, SPP};
 
 impl Session {
     fn new(options: LiveSceneOptions) -> Self {

@@ -1,12 +1,10 @@
 //! The server and its protocol, by a client that is no browser.
 
-mod common;
-
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-use common::{event, hello, impatient, own_stage, wheel, House, News, LONG, SIZE};
+use crate::common::{event, hello, impatient, own_stage, wheel, House, News, LONG, SIZE};
 use raywarp_viewer::live::Viewer;
 use raywarp_viewer::serve::{ServeError, ServeOptions, Server, Token, PROTOCOL};
 use raywarp_viewer::ViewerError;
@@ -175,7 +173,7 @@ fn a_file_comes_whole_after_its_head() {
 fn two_clients_have_a_camera_each() {
     let house = House::open();
     let (mut one, mut other) = (house.enter(), house.enter());
-    let lossless = |client: &mut common::Client| loop {
+    let lossless = |client: &mut crate::common::Client| loop {
         let shown = client.picture();
         client.ack(shown.first.frame);
         if shown.first.lossless {

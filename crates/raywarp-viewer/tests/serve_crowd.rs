@@ -1,13 +1,11 @@
 //! Many at the door at once: browsers with their six connections, idle ones, strangers, and who asks for files.
 
-mod common;
-
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::{event, hello, wheel, Client, House, News, LONG};
+use crate::common::{event, hello, wheel, Client, House, News, LONG};
 use raywarp_viewer::serve::{Patience, ServeOptions, Token, PROTOCOL};
 use serde_json::json;
 

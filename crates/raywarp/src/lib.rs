@@ -1,13 +1,14 @@
 //! A ray tracer for CUDA that needs nothing but the driver, and runs on the CPU without one.
 //!
-//! The way of a picture: [`scene::load`] reads files into a [`scene::Scene`], a [`render::Tracer`] flattens it, builds
-//! a structure ([`accel`]) and puts both on a [`device::Device`], and what it [renders](render::Tracer::render) goes to
-//! [`image`]. A [`query::RayCaster`] answers single rays instead.
+//! The way of a picture: [`scene::load`] reads files into a [`Scene`], a [`Tracer`] flattens it, builds a structure
+//! ([`accel`]) and puts both on a [`Device`], and what it [renders](Tracer::render) goes to [`image`]. A [`RayCaster`]
+//! answers rays instead. Whatever these take and give can be named from here; the folder `examples` shows how they are used.
 //!
 //! ```
 //! use raywarp::accel::AccelKind;
-//! use raywarp::device::{Device, DeviceChoice};
-//! use raywarp::render::{RenderOptions, Tracer};
+//! use raywarp::device::DeviceChoice;
+//! use raywarp::render::RenderOptions;
+//! use raywarp::{Device, Tracer};
 //!
 //! let loaded = raywarp::scene::load::builtin()?;
 //! let device = Device::open(DeviceChoice::Auto)?;
@@ -27,6 +28,10 @@ pub mod render;
 pub use raywarp_scene as scene;
 pub use raywarp_scene::write;
 
+pub use device::Device;
+pub use query::RayCaster;
 pub use raywarp_core::math::Vec3;
 pub use raywarp_core::ray::{Hit, Ray, MISS};
 pub use raywarp_core::triangle::Triangle;
+pub use render::Tracer;
+pub use scene::Scene;

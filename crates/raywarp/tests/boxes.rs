@@ -1,8 +1,6 @@
 //! The boxes of a structure: every level with the leaves above it holds all triangles, and lies within the level above.
 
-mod common;
-
-use common::{devices, every_structure, kinds_on, scene, Numbers, FAMILIES};
+use crate::common::{devices, every_structure, kinds_on, scene, Numbers, FAMILIES};
 use proptest::prelude::*;
 use raywarp::accel::{Accel, AccelKind, Build, Quality, TreeBox, MAX_BOXES};
 use raywarp::render::{world_triangles, Tracer};

@@ -1,8 +1,6 @@
 //! A picture that grows, and a scene that changes, on every device: the same bits as a picture at once of a scene read
 //! that way.
 
-mod common;
-
 use std::f32::consts::TAU;
 
 use raywarp::accel::{fastest_on, AccelKind, Build, Quality};
@@ -11,7 +9,7 @@ use raywarp::image::{png, Development, ToneMap};
 use raywarp::render::{world_triangles, Film, Quantity, RenderOptions, Structure, Tracer};
 use raywarp::scene::{load, Light, LightKind, Scene, Transform};
 
-use common::devices;
+use crate::common::devices;
 
 const SIZE: [u32; 2] = [93, 71];
 

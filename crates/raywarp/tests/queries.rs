@@ -1,10 +1,8 @@
 //! Every question about a ray has the answer that looking at each triangle gives, on every structure.
 
-mod common;
-
 use std::ops::ControlFlow;
 
-use common::{ray, scene, Numbers, AIMS, FAMILIES};
+use crate::common::{ray, scene, Numbers, AIMS, FAMILIES};
 use proptest::prelude::*;
 use raywarp::accel::AccelKind;
 use raywarp::device::{Device, DeviceChoice};

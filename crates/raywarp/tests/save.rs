@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::common::shipped;
 use proptest::prelude::*;
 use raywarp::accel::{AccelKind, Build, Quality};
 use raywarp::device::{Device, DeviceChoice};
@@ -44,10 +45,6 @@ const OBJ: &str = "mtllib m.mtl\no first\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\
 const MTL: &str = "newmtl red\nKd 1 0 0\nKs 0.5 0.5 0.5\nNs 10\nnewmtl wood\nKd 0.3 0.2 0.1\nmap_Kd checker.png\n\
                    norm checker.png\nd 0.5\n";
 
-fn shipped(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(name)
-}
-
 /// A folder with an OBJ, a glTF and a scene file on that one.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
@@ -69,7 +66,7 @@ fn originals(folder: &Path) -> Vec<Option<PathBuf>> {
     let mut all = vec![None];
     all.extend(["m.obj", "lamps.gltf", "on.toml"].map(|name| Some(folder.join(name))));
     let names =
-        ["paper/paper.toml", "paper/suzanne.ply", "cornell/cornell.toml", "glass/glass.toml", "glass/sphere.obj"];
+        ["built-in/paper.toml", "built-in/suzanne.ply", "cornell/cornell.toml", "glass/glass.toml", "glass/sphere.obj"];
     all.extend(names.map(|name| Some(shipped(name))));
     all
 }

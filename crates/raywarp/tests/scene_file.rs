@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::common::shipped;
 use raywarp::accel::{AccelKind, Quality};
 use raywarp::image::ToneMap;
 use raywarp::scene::load::{self, LoadOptions};
@@ -150,7 +151,7 @@ fn names_of_materials_are_those_before_any_change() {
 #[test]
 fn maps_can_be_given_and_taken_away() {
     let folder = tempfile::tempdir().unwrap();
-    let image = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/glass/checker.png");
+    let image = shipped("glass/checker.png");
     std::fs::copy(image, folder.path().join("c.png")).unwrap();
     let maps = "diffuse_map = \"c.png\"\nheight_map = { file = \"c.png\", strength = 2 }\n";
     let with = load_in(folder.path(), &format!("base = \"base.toml\"\n[[materials]]\nreplaces = 0\n{maps}")).unwrap();

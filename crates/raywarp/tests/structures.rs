@@ -1,8 +1,6 @@
 //! Every structure finds what brute force finds, bit for bit.
 
-mod common;
-
-use common::{every_structure, ray, scene, Numbers, AIMS, FAMILIES};
+use crate::common::{every_structure, ray, scene, Numbers, AIMS, FAMILIES};
 use proptest::prelude::*;
 use raywarp::accel::{Accel, AccelKind};
 use raywarp_core::math::{vec3, Vec3};

@@ -1,9 +1,7 @@
 //! Two levels find what brute force finds: bit for bit along the rays that the instances see, and but for the rounding of
 //! a transform along those of the world.
 
-mod common;
-
-use common::{ray, scene, Numbers, AIMS, FAMILIES};
+use crate::common::{ray, scene, Numbers, AIMS, FAMILIES};
 use proptest::prelude::*;
 use raywarp::accel::two_level::{build, Placement, TwoLevel};
 use raywarp::accel::{Accel, AccelKind, BuildError, Quality};

@@ -3,11 +3,9 @@
 //! Rays are aimed from outside at points on edges and at vertices, where the test of each triangle alone is a toss-up,
 //! and must hit it there: in a closed mesh the far side would hide a gap. From inside none may escape.
 
-mod common;
-
 use std::collections::HashMap;
 
-use common::{every_structure, Numbers};
+use crate::common::{every_structure, Numbers};
 use rayon::prelude::*;
 use raywarp::accel::{Accel, AccelKind};
 use raywarp_core::math::{vec3, Vec3};

@@ -14,15 +14,12 @@ use crate::process;
 /// Programs of a bundle: package and name.
 const PROGRAMS: [[&str; 2]; 2] = [["raywarp-cli", "raywarp"], ["raywarp-lab", "raywarp-lab"]];
 
-/// Integration tests that run on CUDA when asked to: package and name.
-const GPU_TESTS: [[&str; 2]; 6] = [
-    ["raywarp", "conformance"],
-    ["raywarp", "shading"],
-    ["raywarp", "films"],
-    ["raywarp-viewer", "live"],
-    ["raywarp-viewer", "edits"],
-    ["raywarp-lab", "structures"],
-];
+/// Integration tests of which some run on CUDA when asked to: package and name.
+const GPU_TESTS: [[&str; 2]; 3] =
+    [["raywarp", "integration"], ["raywarp-viewer", "integration"], ["raywarp-lab", "structures"]];
+
+/// Folders of scenes, and where the tests look for them in a bundle.
+const SCENES: [[&str; 2]; 2] = [["scenes", "scenes"], ["crates/raywarp-scene/built-in", "scenes/built-in"]];
 
 /// Most bytes that are still easily copied.
 const LIMIT: u64 = 150_000_000;
@@ -44,9 +41,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         copy_program(&executable(&root, &["build", "--package", package], name)?, &folder.join(name))?;
     }
     for [package, name] in GPU_TESTS {
-        copy_program(&test(&root, package, name)?, &tests.join(name))?;
+        copy_program(&test(&root, package, name)?, &tests.join(format!("{package}-{name}")))?;
     }
-    copy_scenes(&root, folder)?;
+    for [from, to] in SCENES {
+        copy_committed(&root.join(from), &folder.join(to))?;
+    }
     write_script(&folder.join("run-gpu-tests.sh"))?;
     write(&folder.join("README.md"), include_str!("README.md"))?;
     tell_size(folder)
@@ -78,13 +77,13 @@ fn copy_program(from: &Path, to: &Path) -> Result<()> {
     process::run(Command::new("strip").arg(to)).context("strip is part of the binutils that every linker comes with")
 }
 
-/// Copies what is committed of the scenes.
-fn copy_scenes(root: &Path, folder: &Path) -> Result<()> {
-    let files = process::stdout(Command::new("git").args(["ls-files", "-z", "scenes"]).current_dir(root))?;
+/// Copies what is committed of a folder.
+fn copy_committed(from: &Path, folder: &Path) -> Result<()> {
+    let files = process::stdout(Command::new("git").args(["ls-files", "-z"]).current_dir(from))?;
     for file in files.split('\0').filter(|file| !file.is_empty()) {
         let to = folder.join(file);
         fs::create_dir_all(to.parent().unwrap_or(folder)).with_context(|| format!("cannot make {}", to.display()))?;
-        fs::copy(root.join(file), &to).with_context(|| format!("cannot copy {file} to {}", to.display()))?;
+        fs::copy(from.join(file), &to).with_context(|| format!("cannot copy {file} to {}", to.display()))?;
     }
     Ok(())
 }

@@ -56,8 +56,8 @@ pub const BUILT_IN: &str = "built-in";
 
 /// Its files; the first names the others.
 const BUILT_IN_FILES: [(&str, &[u8]); 2] = [
-    ("built-in/paper.toml", include_bytes!("../../../../scenes/paper/paper.toml")),
-    ("built-in/suzanne.ply", include_bytes!("../../../../scenes/paper/suzanne.ply")),
+    ("built-in/paper.toml", include_bytes!("../../built-in/paper.toml")),
+    ("built-in/suzanne.ply", include_bytes!("../../built-in/suzanne.ply")),
 ];
 
 /// Reads a scene from a file, with all the files it names.

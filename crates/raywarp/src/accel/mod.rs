@@ -10,7 +10,7 @@
 //! A [`bvh2`] of quality goes through a binary tree with one triangle a leaf: built from the top, with spatial splits
 //! where they pay, made better by reinsertion, and collapsed.
 //!
-//! The structures are those of [`raywarp_core::traversal`], owned by the host. Traced on the CPU or copied to a
+//! The structures are those of [`traversal`], owned by the host. Traced on the CPU or copied to a
 //! device as they are ([`Resident`]), they give the same hits: those of brute force. Structures of others join by the same trait.
 
 mod binary;
@@ -62,6 +62,8 @@ pub use boxes::{TreeBox, MAX_BOXES};
 pub use error::{BuildError, Invalid};
 pub(crate) use kind::check_device;
 pub use kind::{fastest_on, Build};
+#[doc(no_inline)]
+pub use raywarp_core::traversal;
 pub use resident::{
     Rendered, Resident, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd, ResidentQuantized,
     ResidentTwoLevel,
@@ -169,7 +171,7 @@ impl Accel {
         }
     }
 
-    /// [`raywarp_core::traversal::closest`] on this machine.
+    /// [`traversal::closest`] on this machine.
     pub fn closest(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
         match self {
             Self::Brute(list) => closest(&list.view(), ray, previous, counter),
@@ -181,7 +183,7 @@ impl Accel {
         }
     }
 
-    /// [`raywarp_core::traversal::occlusion`] on this machine.
+    /// [`traversal::occlusion`] on this machine.
     pub fn occlusion(&self, ray: &Ray, counter: &mut impl Counter) -> Occlusion {
         match self {
             Self::Brute(list) => occlusion(&list.view(), ray, counter),

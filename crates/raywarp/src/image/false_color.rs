@@ -2,6 +2,7 @@
 
 use raywarp_core::display::byte;
 use raywarp_core::false_color::{self as colors, is_miss, NOTHING};
+pub use raywarp_core::false_color::{depth, HEAT};
 use raywarp_core::kernels::FirstHit;
 use raywarp_core::math::Vec3;
 

@@ -15,9 +15,6 @@ pub mod png;
 mod probe;
 mod provenance;
 
-use raywarp_core::kernels::FirstHit;
-use raywarp_core::traversal::Tests;
-
 pub use crate::scene::settings::ToneMap;
 pub use color::Development;
 pub use error::ImageError;
@@ -25,6 +22,8 @@ pub use format::Format;
 pub use layer::Layer;
 pub use probe::probe;
 pub use provenance::{Found, Provenance};
+pub use raywarp_core::kernels::FirstHit;
+pub use raywarp_core::traversal::Tests;
 
 /// A rendered picture.
 #[derive(Clone, Debug, Default, PartialEq)]

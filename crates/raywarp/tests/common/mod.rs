@@ -2,6 +2,8 @@
 
 #![allow(dead_code)] // Each test uses its share.
 
+use std::path::PathBuf;
+
 use raywarp::accel::{Accel, AccelKind, Build, Quality};
 use raywarp::device::{Device, DeviceChoice};
 use raywarp_core::math::{vec3, Vec3};
@@ -150,6 +152,18 @@ fn nonsense(origin: Vec3, n: &mut Numbers) -> Ray {
         2 => Ray::new(vec3(origin.x, odd, origin.z), good),
         3 => Ray { t_min: odd, ..Ray::new(origin, good) },
         _ => Ray { t_max: odd, ..Ray::new(origin, good) },
+    }
+}
+
+/// A file of the scenes that come with raywarp. `RAYWARP_SCENES` names their folder where tests run without the sources.
+pub fn shipped(path: &str) -> PathBuf {
+    if let Some(folder) = std::env::var_os("RAYWARP_SCENES") {
+        return PathBuf::from(folder).join(path);
+    }
+    let crates = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/.."));
+    match path.starts_with("built-in") {
+        true => crates.join("raywarp-scene").join(path),
+        false => crates.join("../scenes").join(path),
     }
 }
 

@@ -4,7 +4,7 @@ use raywarp::accel::AccelKind;
 use raywarp::query::RayCaster;
 use raywarp::{Hit, Ray, Triangle, Vec3};
 
-use crate::{device, kinds, reference, scaled, scene, triangles, Random};
+use super::{device, kinds, reference, scaled, scene, triangles, Random};
 
 /// Rays of every sort: through the scene, axis-parallel, from surfaces, with limits, without a meaning.
 pub fn rays(triangles: &[Triangle], count: usize, random: &mut Random) -> Vec<Ray> {

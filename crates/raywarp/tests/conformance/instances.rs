@@ -7,7 +7,7 @@ use raywarp::render::{framing, RenderOptions, Tracer};
 use raywarp::scene::{Instance, Scene, Transform};
 use raywarp::{Hit, Ray, Triangle, Vec3};
 
-use crate::{device, reference, scaled, scene, Random};
+use super::{device, reference, scaled, scene, Random};
 
 /// The built-in mesh `count` times: turned, sheared, mirrored, of many sizes, some of them in the same place.
 fn copies(count: usize) -> Scene {

@@ -5,7 +5,7 @@ use raywarp::device::Device;
 use raywarp::image::png;
 use raywarp::render::{RenderOptions, Rendering, Tracer};
 
-use crate::{device, kinds, reference, scene};
+use super::{device, kinds, reference, scene};
 
 const SCENES: [&str; 3] = ["built-in", "cornell/cornell.toml", "glass/glass.toml"];
 

@@ -6,8 +6,8 @@ use raywarp::query::device::{All, Any, Closest, Count};
 use raywarp::query::{AllHits, Coherence, RayCaster};
 use raywarp::{Hit, Ray, Triangle, Vec3};
 
-use crate::hits::{rays, soup};
-use crate::{device, kinds, reference, scaled, scene, triangles, Random};
+use super::hits::{rays, soup};
+use super::{device, kinds, reference, scaled, scene, triangles, Random};
 
 /// The hits of ray `i`, to the bit.
 fn row(all: &AllHits, i: usize) -> Vec<[u32; 4]> {

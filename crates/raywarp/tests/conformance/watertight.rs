@@ -4,7 +4,7 @@ use raywarp::accel::AccelKind;
 use raywarp::query::RayCaster;
 use raywarp::{Ray, Triangle, Vec3};
 
-use crate::{device, scaled, Random};
+use super::{device, scaled, Random};
 
 /// A closed surface: a sphere of `n` x `2n` patches, dented at random, whose neighbours share exact corners.
 fn dented_sphere(n: u32, centre: Vec3) -> (Vec<Triangle>, Vec<Vec3>) {

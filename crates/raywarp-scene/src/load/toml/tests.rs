@@ -37,8 +37,8 @@ fn the_built_in_scene_loads_without_a_warning() {
 
 #[test]
 fn shipped_scenes_load_without_a_warning() {
-    for name in ["paper/paper", "cornell/cornell", "glass/glass"] {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(name).with_extension("toml");
+    for name in ["built-in/paper", "../../scenes/cornell/cornell", "../../scenes/glass/glass"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(name).with_extension("toml");
         let loaded = load::load(&path, &LoadOptions { strict: true }).unwrap();
         assert!(!loaded.scene.instances.is_empty(), "{name}");
     }

@@ -201,7 +201,7 @@ fn quantity(view: View) -> Option<Quantity> {
 
 /// What the colours of a debug view mean.
 fn legend(quantity: Quantity, [low, high]: [f32; 2], is_gpu: bool) -> Option<Legend> {
-    use raywarp_core::false_color::{depth, HEAT};
+    use raywarp::image::false_color::{depth, HEAT};
     let (title, colors) = match quantity {
         Quantity::Normal => ("shading normal: x red, y green, z blue", Vec::new()),
         Quantity::Albedo => ("diffuse colour", Vec::new()),

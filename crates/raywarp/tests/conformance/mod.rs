@@ -1,8 +1,7 @@
 //! A device against the CPU: the same hits, the same pictures, to the bit.
 //!
 //! `RAYWARP_TEST_DEVICE` names the device under test (`cuda`, `cuda:1`, ...); without it the CPU's structures are held
-//! against brute force, so that the checks mean something everywhere. `RAYWARP_SCENES` names the folder of scenes
-//! where the tests run without the sources.
+//! against brute force, so that the checks mean something everywhere.
 
 mod hits;
 mod instances;
@@ -10,8 +9,7 @@ mod pictures;
 mod queries;
 mod watertight;
 
-use std::path::PathBuf;
-
+use crate::common::shipped;
 use raywarp::accel::AccelKind;
 use raywarp::device::{Device, DeviceChoice};
 use raywarp::scene::load::{builtin, load, LoadOptions};
@@ -49,9 +47,7 @@ fn scene(path: &str) -> Scene {
     if path == "built-in" {
         return builtin().expect("the built-in scene loads").scene;
     }
-    let folder = std::env::var_os("RAYWARP_SCENES")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes"), PathBuf::from);
-    load(&folder.join(path), &LoadOptions::default()).expect("the scene loads").scene
+    load(&shipped(path), &LoadOptions::default()).expect("the scene loads").scene
 }
 
 /// Triangles of every instance, without a transform: enough to be hit.
