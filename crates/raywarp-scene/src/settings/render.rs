@@ -110,6 +110,17 @@ impl Described for RenderDefaults {
 }
 
 impl RenderDefaults {
+    /// Every option with raywarp's own default, where that is a value.
+    pub fn usual() -> Self {
+        let mut all = Self::default();
+        for parameter in Self::parameters() {
+            if let Some(value) = parameter.default() {
+                parameter.set(&mut all, value);
+            }
+        }
+        all
+    }
+
     /// These, and where they are silent the `other` ones.
     pub fn or(&self, other: &Self) -> Self {
         let mut all = *other;
