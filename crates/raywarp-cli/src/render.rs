@@ -31,7 +31,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let mut outputs = Outputs::default();
     outputs.reads(&options.scene)?;
     let plan = plan(options, &mut outputs, &interrupt)?;
-    if let Some(size) = options.size {
+    if let Some(size) = options.picture.values.size {
         // Better told before a large scene is read.
         limits::check(size, options, &plan)?;
     }

@@ -7,6 +7,8 @@ use std::str::FromStr;
 use clap::builder::{PossibleValue, TypedValueParser};
 use clap::{Arg, Command};
 use raywarp::render::MAX_SIDE;
+use raywarp::scene::radians;
+use raywarp::scene::schema::{Kind, Value};
 
 /// `WxH` in pixels.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
@@ -76,9 +78,41 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     ranged(text, 0.01, 3600.0).ok_or_else(|| "give a number of seconds from 0.01 to 3600".to_owned())
 }
 
-/// Stops.
-pub fn exposure(text: &str) -> Result<f32, String> {
-    ranged(text, -60.0, 60.0).ok_or_else(|| "give a number of stops from -60 to 60".to_owned())
+/// A value of a kind of the schema.
+pub fn value(kind: Kind, text: &str) -> Result<Value, String> {
+    match kind {
+        Kind::Flag { .. } => one_of(&["on", "off"], text).map(|word| Value::Flag(word == "on")),
+        Kind::Count { low, high } => whole(low.into(), high.into())(text).map(Value::Count),
+        Kind::Size { .. } => size(text).map(Value::Size),
+        Kind::Number { low, high, unit } => number(text, low, high, unit).map(Value::Number),
+        Kind::Positive => height(text).map(Value::Number),
+        Kind::Angle => number(text, 0.0, 90.0, "degrees").map(|angle| Value::Number(radians(angle.into()))),
+        Kind::Color | Kind::Share | Kind::Vector | Kind::Terms => {
+            let value = vector(text).map(Value::Triple)?;
+            Some(value).filter(|&value| kind.takes(value)).ok_or_else(|| format!("give {kind}"))
+        }
+        Kind::Words(words) => one_of(words, text).map(Value::Word),
+    }
+}
+
+fn number(text: &str, low: f64, high: f64, unit: &str) -> Result<f32, String> {
+    let of = if unit.is_empty() { String::new() } else { format!(" of {unit}") };
+    ranged::<f64>(text, low, high)
+        .map(|number| number as f32)
+        .ok_or_else(|| format!("give a number{of} from {low} to {high}"))
+}
+
+fn one_of(words: &[&'static str], text: &str) -> Result<&'static str, String> {
+    let known = words.iter().copied().find(|word| *word == text);
+    known.ok_or_else(|| format!("there is no such; expected {}", listed(words)))
+}
+
+/// "a, b or c".
+fn listed(words: &[&str]) -> String {
+    match words {
+        [rest @ .., last] if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
+        _ => words.concat(),
+    }
 }
 
 /// A whole number within bounds, both included.
@@ -180,10 +214,20 @@ mod tests {
     }
 
     #[test]
+    fn words_are_known_and_told() {
+        let tree = |text| value(Kind::Words(&["fast", "medium", "high"]), text);
+        assert_eq!(tree("high"), Ok(Value::Word("high")));
+        assert_eq!(tree("best"), Err("there is no such; expected fast, medium or high".to_owned()));
+    }
+
+    #[test]
     fn angles_and_stops_have_bounds() {
         assert_eq!(field_of_view("45"), Ok(45.0));
         assert!(["0", "180", "nan", "-5", "x"].iter().all(|text| field_of_view(text).is_err()));
         assert!(["inf", "nan", "0", "-1"].iter().all(|text| height(text).is_err()) && height("2.5") == Ok(2.5));
-        assert!(["inf", "nan", "61"].iter().all(|text| exposure(text).is_err()));
+        let exposure = |text| value(Kind::Number { low: -60.0, high: 60.0, unit: "stops" }, text);
+        assert_eq!(exposure("-0.5"), Ok(Value::Number(-0.5)));
+        let refused = Err("give a number of stops from -60 to 60".to_owned());
+        assert!(["inf", "nan", "61"].iter().all(|text| exposure(text) == refused));
     }
 }

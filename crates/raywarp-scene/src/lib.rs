@@ -14,6 +14,7 @@ mod mesh;
 pub mod normals;
 mod path;
 pub mod save;
+pub mod schema;
 pub mod settings;
 pub mod srgb;
 mod viewpoint;

@@ -40,7 +40,7 @@ pub fn run(options: &RenderOptions, range: Range) -> anyhow::Result<()> {
     let mut outputs = Outputs::default();
     outputs.reads(&options.scene)?;
     let files = name(options, range, &mut outputs, &interrupt)?;
-    if let Some(size) = options.size {
+    if let Some(size) = options.picture.values.size {
         // Better told before a large scene is read.
         check(size, options, &files.plan(range.first)?)?;
     }

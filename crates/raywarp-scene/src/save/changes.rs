@@ -2,10 +2,11 @@
 
 use std::collections::HashMap;
 
-use super::entries::{CameraEntry, LightEntry, MaterialEntry, MaterialKeys, Move, Render, Sky, Which};
-use super::number::{Color, Number};
+use super::entries::{CameraEntry, LightEntry, MaterialEntry, MaterialKeys, Move, Sky, Which};
+use super::number::Color;
+use super::parameters::Keys;
 use super::SaveError;
-use crate::{AlphaMode, Instance, Material, RenderDefaults, Scene};
+use crate::{Instance, Material, RenderDefaults, Scene};
 
 /// All that differs.
 pub struct Changes {
@@ -13,7 +14,7 @@ pub struct Changes {
     pub cameras: Change<Vec<CameraEntry>>,
     pub background: Change<Sky>,
     pub ambient: Change<Color>,
-    pub render: Change<Render>,
+    pub render: Change<Keys>,
     pub materials: Vec<MaterialEntry>,
     pub moves: Vec<Move>,
 }
@@ -94,29 +95,13 @@ fn value<T: PartialEq>(read: Option<T>, now: Option<T>) -> Change<T> {
 }
 
 /// Key by key, unless one was taken away: a file can do that only with all of them.
-fn render(read: &RenderDefaults, now: &RenderDefaults) -> Change<Render> {
-    let (read, now) = (Render::new(read), Render::new(now));
-    let mut taken_away = false;
-    let added = Render {
-        size: different(read.size, now.size, &mut taken_away),
-        spp: different(read.spp, now.spp, &mut taken_away),
-        max_depth: different(read.max_depth, now.max_depth, &mut taken_away),
-        shadows: different(read.shadows, now.shadows, &mut taken_away),
-        seed: different(read.seed, now.seed, &mut taken_away),
-        exposure: different(read.exposure, now.exposure, &mut taken_away),
-        tone_map: different(read.tone_map, now.tone_map, &mut taken_away),
-        accel: different(read.accel, now.accel, &mut taken_away),
-        tree: different(read.tree, now.tree, &mut taken_away),
-    };
-    match taken_away {
-        true => Change { dropped: true, added: Some(now) },
-        false => Change { dropped: false, added: (!added.is_empty()).then_some(added) },
+fn render(read: &RenderDefaults, now: &RenderDefaults) -> Change<Keys> {
+    let all = Keys::all(now);
+    if !all.have_all_of(&Keys::all(read)) {
+        return Change { dropped: true, added: Some(all) };
     }
-}
-
-fn different<T: PartialEq>(read: Option<T>, now: Option<T>, taken_away: &mut bool) -> Option<T> {
-    *taken_away |= read.is_some() && now.is_none();
-    now.filter(|now| read.as_ref() != Some(now))
+    let added = Keys::changed(read, now);
+    Change { dropped: false, added: (!added.is_empty()).then_some(added) }
 }
 
 fn materials(read: &[Material], now: &[Material]) -> Result<Vec<MaterialEntry>, SaveError> {
@@ -135,54 +120,25 @@ fn materials(read: &[Material], now: &[Material]) -> Result<Vec<MaterialEntry>, 
 }
 
 fn material(read: &Material, now: &Material) -> Result<MaterialKeys, SaveError> {
-    let map = |what: &str, same: bool, is_there: bool| match (same, is_there) {
-        (true, _) => Ok(None),
-        (false, false) => Ok(Some(false)),
-        (false, true) => Err(unsupported(&format!("another {what} of the material '{}'", now.name))),
-    };
-    let (alpha, cutoff) = alpha(read.alpha, now.alpha);
-    Ok(MaterialKeys {
+    let maps = [
+        ("diffuse_map", read.diffuse_map == now.diffuse_map, now.diffuse_map.is_some()),
+        ("specular_map", read.specular_map == now.specular_map, now.specular_map.is_some()),
+        ("emission_map", read.emission_map == now.emission_map, now.emission_map.is_some()),
+        ("opacity_map", read.opacity_map == now.opacity_map, now.opacity_map.is_some()),
+        ("normal_map", read.normal_map == now.normal_map, now.normal_map.is_some()),
+    ];
+    let mut keys = MaterialKeys {
         name: (read.name != now.name).then(|| now.name.clone()),
-        diffuse: color(read.diffuse, now.diffuse),
-        ambient: color(read.ambient, now.ambient),
-        specular: color(read.specular, now.specular),
-        shininess: number(read.shininess, now.shininess),
-        emission: color(read.emission, now.emission),
-        reflection: color(read.reflection, now.reflection),
-        transmission: color(read.transmission, now.transmission),
-        ior: number(read.ior, now.ior),
-        fresnel: (read.fresnel != now.fresnel).then_some(now.fresnel),
-        opacity: number(read.opacity, now.opacity),
-        alpha,
-        cutoff,
-        unlit: (read.unlit != now.unlit).then_some(now.unlit),
-        diffuse_map: map("diffuse map", read.diffuse_map == now.diffuse_map, now.diffuse_map.is_some())?,
-        specular_map: map("specular map", read.specular_map == now.specular_map, now.specular_map.is_some())?,
-        emission_map: map("emission map", read.emission_map == now.emission_map, now.emission_map.is_some())?,
-        opacity_map: map("opacity map", read.opacity_map == now.opacity_map, now.opacity_map.is_some())?,
-        normal_map: map("normal map", read.normal_map == now.normal_map, now.normal_map.is_some())?,
-    })
-}
-
-fn color(read: [f32; 3], now: [f32; 3]) -> Option<Color> {
-    Some(Color::new(now)).filter(|now| *now != Color::new(read))
-}
-
-fn number(read: f32, now: f32) -> Option<Number> {
-    Some(Number::new(now)).filter(|now| !now.is(read))
-}
-
-fn alpha(read: AlphaMode, now: AlphaMode) -> (Option<&'static str>, Option<Number>) {
-    let words = |mode| match mode {
-        AlphaMode::Opaque => ("opaque", None),
-        AlphaMode::Mask(cutoff) => ("mask", Some(Number::new(cutoff))),
-        AlphaMode::Blend => ("blend", None),
+        parameters: Keys::changed(read, now),
+        ..MaterialKeys::default()
     };
-    let (read, now) = (words(read), words(now));
-    match read == now {
-        true => (None, None),
-        false => (Some(now.0), now.1),
+    for (what, _, is_there) in maps.into_iter().filter(|(_, same, _)| !same) {
+        if is_there {
+            return Err(unsupported(&format!("another {} of the material '{}'", what.replace('_', " "), now.name)));
+        }
+        keys.maps.insert(what, false);
     }
+    Ok(keys)
 }
 
 fn moves(read: &[Instance], now: &[Instance]) -> Result<Vec<Move>, SaveError> {

@@ -1,11 +1,13 @@
 //! What is written, key by key, in the order of the file. `load::toml` reads it.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::changes::Changes;
 use super::number::{Color, Number, Vector};
-use crate::settings::{AccelKind, Quality, ToneMap};
-use crate::{Background, Camera, Light, LightKind, Projection, RenderDefaults, Transform};
+use super::parameters::Keys;
+use crate::{Background, Camera, Light, Projection, Transform};
 
 #[derive(Serialize)]
 pub struct File {
@@ -15,8 +17,8 @@ pub struct File {
     ambient: Option<Color>,
     #[serde(skip_serializing_if = "Option::is_none")]
     background: Option<Sky>,
-    #[serde(skip_serializing_if = "Render::is_empty")]
-    render: Render,
+    #[serde(skip_serializing_if = "Keys::is_empty")]
+    render: Keys,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     cameras: Vec<CameraEntry>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -100,48 +102,6 @@ impl Sky {
     }
 }
 
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Render {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub size: Option<[u32; 2]>,
-    #[serde(rename = "samples", skip_serializing_if = "Option::is_none")]
-    pub spp: Option<u32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub max_depth: Option<u32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub shadows: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub seed: Option<u32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub exposure: Option<Number>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tone_map: Option<ToneMap>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub accel: Option<AccelKind>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tree: Option<Quality>,
-}
-
-impl Render {
-    pub fn new(defaults: &RenderDefaults) -> Self {
-        Self {
-            size: defaults.size,
-            spp: defaults.spp,
-            max_depth: defaults.max_depth,
-            shadows: defaults.shadows,
-            seed: defaults.seed,
-            exposure: defaults.exposure.map(Number::new),
-            tone_map: defaults.tone_map,
-            accel: defaults.accel,
-            tree: defaults.tree,
-        }
-    }
-
-    pub fn is_empty(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CameraEntry {
     #[serde(skip_serializing_if = "String::is_empty")]
@@ -175,53 +135,13 @@ impl From<&Camera> for CameraEntry {
 pub struct LightEntry {
     #[serde(skip_serializing_if = "String::is_empty")]
     name: String,
-    kind: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    position: Option<Vector>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    direction: Option<Vector>,
-    color: Color,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    attenuation: Option<Vector>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    range: Option<Number>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    outer: Option<Number>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    inner: Option<Number>,
+    #[serde(flatten)]
+    keys: Keys,
 }
 
 impl From<&Light> for LightEntry {
     fn from(light: &Light) -> Self {
-        let usual = Light::default();
-        let attenuation = Number::each(light.attenuation);
-        let mut entry = Self {
-            name: light.name.clone(),
-            kind: "point",
-            position: None,
-            direction: None,
-            color: Color::new(light.color),
-            attenuation: (attenuation != Number::each(usual.attenuation)).then_some(attenuation),
-            range: Some(Number::new(light.range)).filter(|range| !range.is(usual.range)),
-            outer: None,
-            inner: None,
-        };
-        match light.kind {
-            LightKind::Point { position } => entry.position = Some(Number::each(position)),
-            LightKind::Directional { direction } => {
-                entry.kind = "directional";
-                entry.direction = Some(Number::each(direction));
-                // Light from far away ignores both, and a scene file refuses them.
-                (entry.attenuation, entry.range) = (None, None);
-            }
-            LightKind::Spot { position, direction, inner, outer } => {
-                entry.kind = "spot";
-                entry.position = Some(Number::each(position));
-                entry.direction = Some(Number::each(direction));
-                (entry.inner, entry.outer) = (Some(Number::degrees(inner)), Some(Number::degrees(outer)));
-            }
-        }
-        entry
+        Self { name: light.name.clone(), keys: Keys::unusual(light) }
     }
 }
 
@@ -245,42 +165,11 @@ pub struct MaterialEntry {
 pub struct MaterialKeys {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub diffuse: Option<Color>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ambient: Option<Color>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub specular: Option<Color>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub shininess: Option<Number>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub emission: Option<Color>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub reflection: Option<Color>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub transmission: Option<Color>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ior: Option<Number>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub fresnel: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub opacity: Option<Number>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub alpha: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub cutoff: Option<Number>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub unlit: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub diffuse_map: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub specular_map: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub emission_map: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub opacity_map: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub normal_map: Option<bool>,
+    #[serde(flatten)]
+    pub parameters: Keys,
+    /// Textures that are taken away.
+    #[serde(flatten)]
+    pub maps: BTreeMap<&'static str, bool>,
 }
 
 #[derive(Clone, Debug, Serialize)]

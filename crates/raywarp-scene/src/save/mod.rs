@@ -20,6 +20,7 @@ mod entries;
 mod error;
 mod name;
 mod number;
+mod parameters;
 
 use std::path::{Path, PathBuf};
 

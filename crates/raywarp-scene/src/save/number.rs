@@ -27,11 +27,6 @@ impl Number {
     pub fn degrees(angle: f32) -> Self {
         Self(crate::degrees(angle))
     }
-
-    /// Whether it is this one.
-    pub fn is(self, value: f32) -> bool {
-        self == Self::new(value)
-    }
 }
 
 impl PartialEq for Number {

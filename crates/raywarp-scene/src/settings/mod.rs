@@ -6,7 +6,7 @@ mod structure;
 mod tone_map;
 
 pub use quality::{Quality, UnknownQuality};
-pub use render::RenderDefaults;
+pub use render::{Part, RenderDefaults, Setting, SETTINGS};
 pub use structure::{AccelKind, UnknownKind};
 pub use tone_map::ToneMap;
 

@@ -21,6 +21,9 @@ impl Quality {
     /// Every quality, from the fastest to the best.
     pub const ALL: [Self; 3] = [Self::Fast, Self::Medium, Self::High];
 
+    /// Their names, likewise.
+    pub const NAMES: [&'static str; 3] = [Self::Fast.name(), Self::Medium.name(), Self::High.name()];
+
     /// The name that [`FromStr`] reads.
     pub const fn name(self) -> &'static str {
         match self {

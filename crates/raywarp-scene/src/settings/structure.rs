@@ -26,6 +26,16 @@ impl AccelKind {
     /// Every kind.
     pub const ALL: [Self; 6] = [Self::Brute, Self::Kd, Self::Bvh2, Self::Bvh2c, Self::Bvh, Self::Bvh8f];
 
+    /// Their names, likewise.
+    pub const NAMES: [&'static str; 6] = [
+        Self::Brute.name(),
+        Self::Kd.name(),
+        Self::Bvh2.name(),
+        Self::Bvh2c.name(),
+        Self::Bvh.name(),
+        Self::Bvh8f.name(),
+    ];
+
     /// Whether this is a hierarchy of boxes, in some layout. Those come in several qualities, and are kept on disk.
     pub const fn is_hierarchy(self) -> bool {
         !matches!(self, Self::Brute | Self::Kd)

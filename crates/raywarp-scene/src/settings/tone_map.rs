@@ -18,6 +18,9 @@ impl ToneMap {
     /// Every curve.
     pub const ALL: [Self; 2] = [Self::Clamp, Self::Filmic];
 
+    /// Their names, likewise.
+    pub const NAMES: [&'static str; 2] = [Self::Clamp.name(), Self::Filmic.name()];
+
     /// The name that [`FromStr`] reads.
     pub const fn name(self) -> &'static str {
         match self {

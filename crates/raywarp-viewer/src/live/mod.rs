@@ -20,6 +20,7 @@ mod outcome;
 mod pace;
 mod panel;
 pub mod panel_rows;
+mod parameter_control;
 pub mod pick;
 pub mod pointer;
 mod status;

@@ -100,16 +100,9 @@ pub struct ViewSettings {
     pub view: View,
     /// The boxes of the tree over the picture, down to this level; 0 is the root.
     pub boxes: Option<u32>,
-    /// Stops of exposure, and the curve to the screen.
-    pub development: Development,
-    /// Bounces after the camera ray.
-    pub max_depth: u32,
-    /// Whether lights cast shadows.
-    pub shadows: bool,
-    /// Samples a pixel that a picture at rest goes up to.
-    pub spp: u32,
-    /// Changes the random numbers.
-    pub seed: u32,
+    /// The options of rendering that a viewer can change while it runs, each with a value. The samples are those that a
+    /// picture at rest goes up to.
+    pub render: RenderDefaults,
     /// Whether the picture keeps its size and all samples while the camera moves.
     pub reference: bool,
     /// Frames a second to aim at while the camera moves.
@@ -124,15 +117,10 @@ pub struct ViewSettings {
 
 impl Default for ViewSettings {
     fn default() -> Self {
-        let RenderOptions { max_depth, shadows, seed, .. } = RenderOptions::default();
         Self {
             view: View::Picture,
             boxes: None,
-            development: Development::default(),
-            max_depth,
-            shadows,
-            spp: 64,
-            seed,
+            render: complete(&RenderDefaults::default()),
             reference: false,
             frame_rate: 60.0,
             help: false,
@@ -140,6 +128,16 @@ impl Default for ViewSettings {
             statistics: true,
         }
     }
+}
+
+/// Samples a pixel that a picture at rest goes up to, unless somebody says otherwise.
+const USUAL_SAMPLES: u32 = 64;
+
+/// The options of a viewer, with what is said of them.
+fn complete(said: &RenderDefaults) -> RenderDefaults {
+    let own = RenderDefaults { spp: Some(USUAL_SAMPLES), ..RenderDefaults::default() };
+    let all = said.or(&own).or(&RenderDefaults::usual());
+    RenderDefaults { size: None, accel: None, tree: None, ..all }
 }
 
 /// What a change of options asks of the renderer.
@@ -158,35 +156,22 @@ pub enum Changed {
 impl ViewSettings {
     /// The options that a scene or a command line asks for, and where they are silent the usual ones.
     pub fn of(overrides: &RenderDefaults) -> Self {
-        let usual = Self::default();
-        let RenderOptions { max_depth, shadows, seed, .. } = RenderOptions::from(overrides);
-        let (spp, development) = (overrides.spp.unwrap_or(usual.spp), Development::from(overrides));
-        Self { max_depth, shadows, seed, spp, development, ..usual }
+        Self { render: complete(overrides), ..Self::default() }
     }
 
     /// What differs from other options, as a scene file can say it.
     pub fn overrides(&self, others: &Self) -> RenderDefaults {
-        fn new<T: PartialEq>(now: T, before: T) -> Option<T> {
-            (now != before).then_some(now)
-        }
-        RenderDefaults {
-            spp: new(self.spp, others.spp),
-            max_depth: new(self.max_depth, others.max_depth),
-            shadows: new(self.shadows, others.shadows),
-            seed: new(self.seed, others.seed),
-            exposure: new(self.development.exposure, others.development.exposure),
-            tone_map: new(self.development.tone_map, others.development.tone_map),
-            ..RenderDefaults::default()
-        }
+        self.render.changed_from(&others.render)
     }
 
     /// Takes over what a scene that was read again asks for `now` instead of `before`, where nobody has changed it.
     pub fn follow(&mut self, before: &Self, now: &Self) {
-        let changed = self.overrides(before);
-        let Self { spp, max_depth, shadows, seed, development, .. } =
-            Self::of(&changed.or(&now.overrides(&Self::default())));
-        (self.spp, self.max_depth, self.shadows, self.seed, self.development) =
-            (spp, max_depth, shadows, seed, development);
+        self.render = self.overrides(before).or(&now.render);
+    }
+
+    /// Stops of exposure, and the curve to the screen.
+    pub fn development(&self) -> Development {
+        Development::from(&self.render)
     }
 
     /// Does what a key asks for, if it is about these options.
@@ -195,14 +180,14 @@ impl ViewSettings {
             Action::View(view) => self.show(if self.view == view { View::Picture } else { view }),
             Action::NextView => self.show(self.view.step(1)),
             Action::PreviousView => self.show(self.view.step(View::ALL.len() - 1)),
-            Action::Shadows => (self.shadows = !self.shadows, Changed::Picture).1,
+            Action::Shadows => (self.render.shadows = Some(!self.render.shadows()), Changed::Picture).1,
             Action::Reference => (self.reference = !self.reference, Changed::Overlay).1,
             Action::DeeperBoxes => self.frame(Some(self.boxes.map_or(0, |level| (level + 1).min(MAX_LEVEL)))),
             Action::HigherBoxes => self.frame(self.boxes.and_then(|level| level.checked_sub(1))),
-            Action::Brighter => self.accumulate(self.development.exposure + 0.5),
-            Action::Darker => self.accumulate(self.development.exposure - 0.5),
-            Action::ResetExposure => self.accumulate(0.0),
-            Action::ToneMap => (self.development.tone_map = next(self.development.tone_map), Changed::Development).1,
+            Action::Brighter => self.expose(self.render.exposure() + 0.5),
+            Action::Darker => self.expose(self.render.exposure() - 0.5),
+            Action::ResetExposure => self.expose(0.0),
+            Action::ToneMap => (self.render.tone_map = Some(next(self.render.tone_map())), Changed::Development).1,
             Action::Help => toggle(&mut self.help),
             Action::Panel => toggle(&mut self.panel),
             Action::Statistics => toggle(&mut self.statistics),
@@ -221,8 +206,8 @@ impl ViewSettings {
         Changed::Development
     }
 
-    fn accumulate(&mut self, stops: f32) -> Changed {
-        self.development.exposure = stops.clamp(-MAX_EXPOSURE, MAX_EXPOSURE);
+    fn expose(&mut self, stops: f32) -> Changed {
+        self.render.exposure = Some(stops.clamp(-MAX_EXPOSURE, MAX_EXPOSURE));
         Changed::Development
     }
 
@@ -230,11 +215,9 @@ impl ViewSettings {
     pub fn render_options(&self, size: [u32; 2]) -> RenderOptions {
         RenderOptions {
             size,
-            spp: self.spp.clamp(1, MAX_SAMPLES),
-            max_depth: self.max_depth.min(MAX_DEPTH),
-            shadows: self.shadows,
-            seed: self.seed,
-            ..RenderOptions::default()
+            spp: self.render.spp().clamp(1, MAX_SAMPLES),
+            max_depth: self.render.max_depth().min(MAX_DEPTH),
+            ..RenderOptions::from(&self.render)
         }
     }
 }
@@ -294,10 +277,10 @@ mod tests {
         for _ in 0..100 {
             assert_eq!(view_settings.act(Action::Brighter), Changed::Development);
         }
-        assert_eq!(view_settings.development.exposure, MAX_EXPOSURE);
+        assert_eq!(view_settings.render.exposure(), MAX_EXPOSURE);
         view_settings.act(Action::ResetExposure);
         view_settings.act(Action::Darker);
-        assert_eq!(view_settings.development.exposure, -0.5);
+        assert_eq!(view_settings.render.exposure(), -0.5);
     }
 
     #[test]
@@ -305,16 +288,21 @@ mod tests {
         let asked = |spp, exposure| ViewSettings::of(&RenderDefaults { spp, exposure, ..RenderDefaults::default() });
         let (before, now) = (asked(Some(4), None), asked(Some(9), Some(1.0)));
         let mut view_settings = before.clone();
-        (view_settings.max_depth, view_settings.view) = (2, View::Depth);
+        (view_settings.render.max_depth, view_settings.view) = (Some(2), View::Depth);
         view_settings.follow(&before, &now);
         assert_eq!(
-            (view_settings.spp, view_settings.development.exposure, view_settings.max_depth, view_settings.view),
+            (
+                view_settings.render.spp(),
+                view_settings.render.exposure(),
+                view_settings.render.max_depth(),
+                view_settings.view
+            ),
             (9, 1.0, 2, View::Depth)
         );
-        view_settings.development.exposure = -3.0;
+        view_settings.render.exposure = Some(-3.0);
         assert_eq!(view_settings.overrides(&now).to_string(), "max depth 2, exposure -3");
         view_settings.follow(&now, &asked(None, None));
-        assert_eq!((view_settings.spp, view_settings.development.exposure), (ViewSettings::default().spp, -3.0));
+        assert_eq!((view_settings.render.spp(), view_settings.render.exposure()), (USUAL_SAMPLES, -3.0));
     }
 
     #[test]

@@ -24,13 +24,9 @@ impl Development {
 }
 
 impl From<&RenderDefaults> for Development {
-    /// As the scene or the command line wishes, and else as usual.
-    fn from(wishes: &RenderDefaults) -> Self {
-        let usual = Self::default();
-        Self {
-            exposure: wishes.exposure.unwrap_or(usual.exposure),
-            tone_map: wishes.tone_map.unwrap_or(usual.tone_map),
-        }
+    /// As the scene or the command line asks for, and else as usual.
+    fn from(wanted: &RenderDefaults) -> Self {
+        Self { exposure: wanted.exposure(), tone_map: wanted.tone_map() }
     }
 }
 

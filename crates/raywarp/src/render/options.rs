@@ -28,21 +28,21 @@ pub struct RenderOptions {
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        Self { size: [1920, 1080], spp: 1, max_depth: 5, shadows: true, seed: 0, crop: None, count_tests: false }
+        Self::from(&RenderDefaults::default())
     }
 }
 
 impl From<&RenderDefaults> for RenderOptions {
-    /// A whole picture as the scene or the command line wishes, and else as usual.
-    fn from(wishes: &RenderDefaults) -> Self {
-        let usual = Self::default();
+    /// A whole picture as the scene or the command line asks for, and else as usual.
+    fn from(wanted: &RenderDefaults) -> Self {
         Self {
-            size: wishes.size.unwrap_or(usual.size),
-            spp: wishes.spp.unwrap_or(usual.spp),
-            max_depth: wishes.max_depth.unwrap_or(usual.max_depth),
-            shadows: wishes.shadows.unwrap_or(usual.shadows),
-            seed: wishes.seed.unwrap_or(usual.seed),
-            ..usual
+            size: wanted.size(),
+            spp: wanted.spp(),
+            max_depth: wanted.max_depth(),
+            shadows: wanted.shadows(),
+            seed: wanted.seed(),
+            crop: None,
+            count_tests: false,
         }
     }
 }

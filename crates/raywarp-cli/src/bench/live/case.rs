@@ -3,6 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
+use raywarp::scene::RenderDefaults;
 use raywarp_viewer::live::view_settings::{ViewSettings, FRAME_RATES};
 use serde::Serialize;
 
@@ -22,7 +23,8 @@ impl Case {
 
     /// The viewer's options: its defaults, but for one sample a pixel also at rest.
     pub fn view_settings(self) -> ViewSettings {
-        let view_settings = ViewSettings { spp: 1, ..ViewSettings::default() };
+        let one = RenderDefaults { spp: Some(1), ..RenderDefaults::default() };
+        let view_settings = ViewSettings::of(&one);
         match self {
             // The least rate gives a picture the most time before it is shown in parts.
             Self::Full => ViewSettings { reference: true, frame_rate: FRAME_RATES[0], ..view_settings },

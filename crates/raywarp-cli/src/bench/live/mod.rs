@@ -14,6 +14,7 @@ use std::time::Duration;
 
 use raywarp::accel::{AccelKind, Quality};
 use raywarp::device::Device;
+use raywarp::scene::settings::Part;
 use raywarp::scene::RenderDefaults;
 use raywarp_viewer::live::view_settings::ViewSettings;
 use raywarp_viewer::live::{LiveScene, LiveSceneOptions, Source};
@@ -59,8 +60,8 @@ fn builds(options: &BenchOptions) -> anyhow::Result<Vec<RenderDefaults>> {
         true => vec![None],
         false => options.layout.iter().map(|name| Ok(Some(name.parse()?))).collect::<anyhow::Result<_>>()?,
     };
-    let ViewSettings { max_depth, shadows, .. } = ViewSettings::default();
-    let usual = RenderDefaults { max_depth: Some(max_depth), shadows: Some(shadows), ..RenderDefaults::default() };
+    // As the viewer shows it, whatever the scene says.
+    let usual = RenderDefaults { seed: None, ..ViewSettings::default().render.only(&[Part::Shading]) };
     let build = |accel, tree| RenderDefaults { accel, tree: Some(tree), ..usual };
     let qualities = |accel: Option<AccelKind>| match accel.is_none_or(AccelKind::is_hierarchy) {
         true => options.tree.clone(),

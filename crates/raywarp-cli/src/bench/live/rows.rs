@@ -97,8 +97,8 @@ impl Live {
             command: std::iter::once("raywarp".to_owned()).chain(words).collect::<Vec<_>>().join(" "),
             seconds,
             warmup,
-            max_depth: view_settings.max_depth,
-            shadows: view_settings.shadows,
+            max_depth: view_settings.render.max_depth(),
+            shadows: view_settings.render.shadows(),
             jpeg_quality: match Coding::MOVING {
                 Coding::Lossy { quality } => quality,
                 Coding::Lossless => 100,

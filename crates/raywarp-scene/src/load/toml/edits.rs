@@ -60,7 +60,8 @@ pub struct Move {
 impl Reader<'_> {
     /// Changes the materials that come from other files, once all of them are there.
     pub(super) fn edit_materials(&mut self, file: &file::File) -> Result<(), Failure> {
-        let edits = || file.materials.iter().filter_map(|entry| Some((entry, entry.get_ref().replaces.as_ref()?)));
+        let edits =
+            || file.materials.iter().filter_map(|entry| Some((entry, entry.get_ref().others.replaces.as_ref()?)));
         if edits().next().is_none() {
             return Ok(());
         }
@@ -70,7 +71,7 @@ impl Reader<'_> {
         for (entry, which) in edits() {
             for index in list.take(which, self.scene.materials.len())? {
                 let mut material = self.scene.materials[index].clone();
-                if let Some(name) = &entry.get_ref().name {
+                if let Some(name) = &entry.get_ref().others.name {
                     material.name = name.get_ref().clone();
                 }
                 self.set_material(entry, &mut material)?;

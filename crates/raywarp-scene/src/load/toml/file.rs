@@ -9,12 +9,11 @@ use toml::Spanned;
 
 use super::base::Base;
 use super::edits::{Move, Which};
+use super::parameters::{Others, Table};
 use super::place::Rows;
-use super::render::Render;
 use super::texture::Texture;
-use super::values::{
-    Color, Coordinate, FieldOfView, Filter, Finite, Ior, NonNegative, PerAxis, Positive, Share, SpotAngle,
-};
+use super::values::{Color, Coordinate, FieldOfView, Finite, NonNegative, PerAxis, Positive, SpotAngle};
+use crate::RenderDefaults;
 
 /// A name, and where it stands.
 pub type Name = Spanned<String>;
@@ -46,7 +45,7 @@ pub struct File {
     pub background: Option<Background>,
     pub ambient: Option<Color>,
     #[serde(default)]
-    pub render: Render,
+    pub render: Table<RenderDefaults>,
 }
 
 #[derive(Clone, Copy, Default, Deserialize, PartialEq)]
@@ -167,24 +166,13 @@ impl<'de> Visitor<'de> for RotationVisitor {
     }
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Material {
+/// A material: its parameters and its textures.
+pub type Material = Table<crate::Material, MaterialKeys>;
+
+#[derive(Default)]
+pub struct MaterialKeys {
     pub name: Option<Name>,
     pub replaces: Option<Spanned<Which>>,
-    pub ambient: Option<Color>,
-    pub diffuse: Option<Color>,
-    pub specular: Option<Color>,
-    pub shininess: Option<NonNegative>,
-    pub emission: Option<Color>,
-    pub reflection: Option<Filter>,
-    pub transmission: Option<Filter>,
-    pub ior: Option<Ior>,
-    pub fresnel: Option<bool>,
-    pub opacity: Option<Share>,
-    pub alpha: Option<Alpha>,
-    pub cutoff: Option<Share>,
-    pub unlit: Option<bool>,
     pub diffuse_map: Option<Spanned<Texture>>,
     pub specular_map: Option<Spanned<Texture>>,
     pub emission_map: Option<Spanned<Texture>>,
@@ -193,36 +181,38 @@ pub struct Material {
     pub height_map: Option<Spanned<Texture>>,
 }
 
-#[derive(Clone, Copy, Deserialize, PartialEq)]
-#[serde(rename_all = "lowercase")]
-pub enum Alpha {
-    Opaque,
-    Mask,
-    Blend,
-}
+/// A light: its parameters, and what stands for some of them.
+pub type Light = Table<crate::Light, LightKeys>;
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Light {
+#[derive(Default)]
+pub struct LightKeys {
     pub name: Option<String>,
-    pub kind: LightKind,
-    pub position: Option<Vector>,
-    pub direction: Option<Vector>,
     pub target: Option<Vector>,
-    pub color: Option<Color>,
     pub intensity: Option<NonNegative>,
-    pub attenuation: Option<[NonNegative; 3]>,
-    pub range: Option<Positive>,
     pub inner: Option<SpotAngle>,
     pub outer: Option<SpotAngle>,
 }
 
-#[derive(Clone, Copy, Deserialize, PartialEq)]
-#[serde(rename_all = "lowercase")]
-pub enum LightKind {
-    Point,
-    Directional,
-    Spot,
+/// Each key is a field of that name.
+macro_rules! others {
+    ($($type:ident: $($key:ident)*;)*) => {$(
+        impl Others for $type {
+            const KEYS: &'static [&'static str] = &[$(stringify!($key)),*];
+
+            fn read<'de, A: MapAccess<'de>>(&mut self, key: &str, map: &mut A) -> Result<(), A::Error> {
+                match key {
+                    $(stringify!($key) => self.$key = Some(map.next_value()?),)*
+                    _ => {}
+                }
+                Ok(())
+            }
+        }
+    )*};
+}
+
+others! {
+    MaterialKeys: name replaces diffuse_map specular_map emission_map opacity_map normal_map height_map;
+    LightKeys: name target intensity inner outer;
 }
 
 #[derive(Deserialize)]

@@ -9,72 +9,84 @@ use crate::{radians, Background, Camera, Light, LightKind, Projection};
 /// A light as the file places it.
 pub fn light(entry: &Spanned<file::Light>) -> Result<Light, Complaint> {
     let at = entry.span().start;
-    let entry = entry.get_ref();
-    let wrong = |read: &str, expected: &str| Err(Complaint::new(at, read, expected));
-    let position = entry.position.map(plain);
-    let kind = match entry.kind {
-        file::LightKind::Point => {
-            if entry.direction.is_some() || entry.target.is_some() {
-                return wrong("a point light with a direction", "kind = \"spot\", or a position alone");
-            }
-            let Some(position) = position else {
-                return wrong("a point light without position", "position = [x, y, z]");
-            };
-            LightKind::Point { position }
+    let file::Light { given, others } = entry.get_ref();
+    let mut light = Light { name: others.name.clone().unwrap_or_default(), ..Light::default() };
+    given.apply(&mut light);
+    match given.get("kind") {
+        Some("point") => check_point(entry, at)?,
+        Some("directional") => {
+            check_directional(entry, at)?;
+            light.kind = LightKind::Directional { direction: direction(entry.get_ref(), None, at)? };
         }
-        file::LightKind::Directional => {
-            if position.is_some() || entry.attenuation.is_some() || entry.range.is_some() {
-                return wrong("a directional light with a position, attenuation or range", "a direction alone");
-            }
-            LightKind::Directional { direction: direction(entry, [0.0; 3], at)? }
-        }
-        file::LightKind::Spot => {
-            let Some(position) = position else {
-                return wrong("a spot light without position", "position = [x, y, z]");
-            };
-            let (inner, outer) = cone(entry, at)?;
-            LightKind::Spot { position, direction: direction(entry, position, at)?, inner, outer }
-        }
-    };
-    if entry.kind != file::LightKind::Spot && (entry.inner.is_some() || entry.outer.is_some()) {
-        return wrong("inner or outer without a cone", "them on a spot light alone");
+        Some(_) => light.kind = spot(entry.get_ref(), at)?,
+        None => return wrong(at, "the key 'kind' is missing", "\"point\", \"directional\" or \"spot\""),
     }
-    let usual = Light::default();
-    let attenuation = entry.attenuation.map_or(usual.attenuation, |terms| terms.map(|term| term.0));
-    if attenuation == [0.0; 3] {
-        return wrong("an attenuation of [0, 0, 0]", "at least one term above 0");
+    if !matches!(light.kind, LightKind::Spot { .. }) && (others.inner.is_some() || others.outer.is_some()) {
+        return wrong(at, "inner or outer without a cone", "them on a spot light alone");
     }
-    let intensity = entry.intensity.map_or(1.0, |number| number.0);
-    let color = entry.color.map_or(usual.color, |color| color.0).map(|channel| channel * intensity);
-    let range = entry.range.map_or(usual.range, |number| number.0);
-    Ok(Light { name: entry.name.clone().unwrap_or_default(), kind, color, attenuation, range })
+    if light.attenuation == [0.0; 3] {
+        return wrong(at, "an attenuation of [0, 0, 0]", "at least one term above 0");
+    }
+    let intensity = others.intensity.map_or(1.0, |number| number.0);
+    light.color = light.color.map(|channel| channel * intensity);
+    Ok(light)
+}
+
+fn wrong<T>(at: usize, read: &str, expected: &str) -> Result<T, Complaint> {
+    Err(Complaint::new(at, read, expected))
 }
 
 fn plain(vector: file::Vector) -> [f32; 3] {
     vector.map(|number| number.0)
 }
 
-/// The way that the light travels, given as such or by a point that it passes on its way from `from`.
-fn direction(entry: &file::Light, from: [f32; 3], at: usize) -> Result<[f32; 3], Complaint> {
-    let direction = match (entry.direction, entry.target, entry.kind) {
-        (Some(direction), None, _) => plain(direction),
-        (None, Some(target), file::LightKind::Spot) => {
+fn check_point(entry: &Spanned<file::Light>, at: usize) -> Result<(), Complaint> {
+    let file::Light { given, others } = entry.get_ref();
+    if given.get::<[f32; 3]>("direction").is_some() || others.target.is_some() {
+        return wrong(at, "a point light with a direction", "kind = \"spot\", or a position alone");
+    }
+    match given.get::<[f32; 3]>("position") {
+        Some(_) => Ok(()),
+        None => wrong(at, "a point light without position", "position = [x, y, z]"),
+    }
+}
+
+fn check_directional(entry: &Spanned<file::Light>, at: usize) -> Result<(), Complaint> {
+    let given = &entry.get_ref().given;
+    let placed = given.get::<[f32; 3]>("position").is_some() || given.get::<[f32; 3]>("attenuation").is_some();
+    if placed || given.get::<f32>("range").is_some() {
+        return wrong(at, "a directional light with a position, attenuation or range", "a direction alone");
+    }
+    Ok(())
+}
+
+fn spot(entry: &file::Light, at: usize) -> Result<LightKind, Complaint> {
+    let Some(position) = entry.given.get("position") else {
+        return wrong(at, "a spot light without position", "position = [x, y, z]");
+    };
+    let (inner, outer) = cone(&entry.others, at)?;
+    Ok(LightKind::Spot { position, direction: direction(entry, Some(position), at)?, inner, outer })
+}
+
+/// The way that the light travels, given as such or, for a spot at a position, by a point that it passes on its way.
+fn direction(entry: &file::Light, spot: Option<[f32; 3]>, at: usize) -> Result<[f32; 3], Complaint> {
+    let direction = match (entry.given.get("direction"), entry.others.target, spot) {
+        (Some(direction), None, _) => direction,
+        (None, Some(target), Some(from)) => {
             let target = plain(target);
             [0, 1, 2].map(|axis| target[axis] - from[axis])
         }
-        (_, _, file::LightKind::Spot) => {
-            return Err(Complaint::new(at, "a spot light without one way to shine", "direction or target"));
-        }
-        _ => return Err(Complaint::new(at, "a directional light without direction", "direction = [x, y, z]")),
+        (_, _, Some(_)) => return wrong(at, "a spot light without one way to shine", "direction or target"),
+        _ => return wrong(at, "a directional light without direction", "direction = [x, y, z]"),
     };
     if direction == [0.0; 3] {
-        return Err(Complaint::new(at, "a light whose direction is zero", "a direction"));
+        return wrong(at, "a light whose direction is zero", "a direction");
     }
     Ok(direction)
 }
 
-/// Half angles in radians.
-fn cone(entry: &file::Light, at: usize) -> Result<(f32, f32), Complaint> {
+/// Half angles in radians. Compared in degrees as they are written.
+fn cone(entry: &file::LightKeys, at: usize) -> Result<(f32, f32), Complaint> {
     let outer = entry.outer.map_or(45.0, |angle| angle.0);
     let inner = entry.inner.map_or(0.8 * outer, |angle| angle.0);
     let (inner_radians, outer_radians) = (radians(inner), radians(outer));

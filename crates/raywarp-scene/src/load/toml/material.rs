@@ -3,22 +3,26 @@
 use toml::Spanned;
 
 use super::complaint::Complaint;
-use super::file::{self, Alpha};
+use super::file;
 use super::{texture, Failure, Reader};
 use crate::load::images::{self, Asker};
+use crate::schema::Described;
 use crate::{AlphaMode, Channel, Filter, Material, NormalMap, Texture, Wrap};
 
 impl Reader<'_> {
     /// A material of this file.
     pub(super) fn new_material(&mut self, entry: &Spanned<file::Material>, name: &str) -> Result<Material, Failure> {
-        let mut material = Material { name: name.to_owned(), shininess: USUAL_SHININESS, ..Material::default() };
-        let given = entry.get_ref();
-        if let Some(diffuse) = given.diffuse {
-            material.ambient = diffuse.0;
+        let mut material = Material { name: name.to_owned(), ..Material::default() };
+        for parameter in Material::parameters() {
+            if let Some(usual) = parameter.default() {
+                parameter.set(&mut material, usual);
+            }
         }
+        let file::Material { given, others } = entry.get_ref();
+        material.ambient = given.get("diffuse").unwrap_or(material.ambient);
         // Coverage below one mixes unless the file says otherwise.
-        let mapped = given.opacity_map.as_ref().is_some_and(|map| map.get_ref().table().is_some());
-        if mapped || given.opacity.is_some_and(|opacity| opacity.0 < 1.0) {
+        let mapped = others.opacity_map.as_ref().is_some_and(|map| map.get_ref().table().is_some());
+        if mapped || given.get("opacity").is_some_and(|opacity: f32| opacity < 1.0) {
             material.alpha = AlphaMode::Blend;
         }
         self.set_material(entry, &mut material)?;
@@ -32,24 +36,16 @@ impl Reader<'_> {
         material: &mut Material,
     ) -> Result<(), Failure> {
         let at = entry.span().start;
-        let entry = entry.get_ref();
-        set(&mut material.ambient, entry.ambient.map(|color| color.0));
-        set(&mut material.diffuse, entry.diffuse.map(|color| color.0));
-        set(&mut material.specular, entry.specular.map(|color| color.0));
-        set(&mut material.shininess, entry.shininess.map(|number| number.0));
-        set(&mut material.emission, entry.emission.map(|color| color.0));
-        set(&mut material.reflection, entry.reflection.map(|color| color.0));
-        set(&mut material.transmission, entry.transmission.map(|color| color.0));
-        set(&mut material.ior, entry.ior.map(|number| number.0));
-        set(&mut material.fresnel, entry.fresnel);
-        set(&mut material.opacity, entry.opacity.map(|number| number.0));
-        material.alpha = alpha(entry, material.alpha, at)?;
-        set(&mut material.unlit, entry.unlit);
-        set(&mut material.diffuse_map, self.map(&entry.diffuse_map, true)?);
-        set(&mut material.specular_map, self.map(&entry.specular_map, true)?);
-        set(&mut material.emission_map, self.map(&entry.emission_map, true)?);
-        set(&mut material.opacity_map, self.opacity_map(entry)?);
-        set(&mut material.normal_map, self.normal_map(entry, at)?);
+        let file::Material { given, others } = entry.get_ref();
+        given.apply(material);
+        if given.get::<f32>("cutoff").is_some() && !matches!(material.alpha, AlphaMode::Mask(_)) {
+            return Err(Complaint::new(at, "a cutoff without alpha = \"mask\"", "both or neither").into());
+        }
+        set(&mut material.diffuse_map, self.map(&others.diffuse_map, true)?);
+        set(&mut material.specular_map, self.map(&others.specular_map, true)?);
+        set(&mut material.emission_map, self.map(&others.emission_map, true)?);
+        set(&mut material.opacity_map, self.opacity_map(others)?);
+        set(&mut material.normal_map, self.normal_map(others, at)?);
         Ok(())
     }
 
@@ -64,7 +60,7 @@ impl Reader<'_> {
         self.texture(table, entry.span().start, srgb).map(|texture| Some(Some(texture)))
     }
 
-    fn opacity_map(&mut self, entry: &file::Material) -> Result<Option<Option<Texture>>, Failure> {
+    fn opacity_map(&mut self, entry: &file::MaterialKeys) -> Result<Option<Option<Texture>>, Failure> {
         let map = self.map(&entry.opacity_map, false)?;
         let table = entry.opacity_map.as_ref().and_then(|map| map.get_ref().table());
         if table.is_some_and(|table| table.channel.is_some()) {
@@ -74,7 +70,7 @@ impl Reader<'_> {
     }
 
     /// The same of what bends the normal: the two kinds of maps are one thing of a material.
-    fn normal_map(&mut self, entry: &file::Material, at: usize) -> Result<Option<Option<NormalMap>>, Failure> {
+    fn normal_map(&mut self, entry: &file::MaterialKeys, at: usize) -> Result<Option<Option<NormalMap>>, Failure> {
         let given = |entry: &'_ MapEntry| entry.as_ref().is_some_and(|map| map.get_ref().table().is_some());
         match (given(&entry.normal_map), given(&entry.height_map)) {
             (true, true) => return Err(Complaint::new(at, "a normal_map and a height_map", "one of them").into()),
@@ -114,9 +110,6 @@ impl Reader<'_> {
     }
 }
 
-/// Of a highlight without a given exponent; it shows only where `specular` is given.
-const USUAL_SHININESS: f32 = 32.0;
-
 /// What a material says about a map.
 type MapEntry = Option<Spanned<texture::Texture>>;
 
@@ -124,29 +117,6 @@ fn set<T>(value: &mut T, given: Option<T>) {
     if let Some(given) = given {
         *value = given;
     }
-}
-
-/// Least coverage that is there, unless the file says otherwise.
-const USUAL_CUTOFF: f32 = 0.5;
-
-/// What coverage means, given what it meant before.
-fn alpha(entry: &file::Material, before: AlphaMode, at: usize) -> Result<AlphaMode, Complaint> {
-    let cutoff = entry.cutoff.map(|number| number.0);
-    let mask = match before {
-        AlphaMode::Mask(before) => AlphaMode::Mask(cutoff.unwrap_or(before)),
-        _ => AlphaMode::Mask(cutoff.unwrap_or(USUAL_CUTOFF)),
-    };
-    let alpha = match entry.alpha {
-        Some(Alpha::Opaque) => AlphaMode::Opaque,
-        Some(Alpha::Mask) => mask,
-        Some(Alpha::Blend) => AlphaMode::Blend,
-        None if matches!(before, AlphaMode::Mask(_)) => mask,
-        None => before,
-    };
-    if cutoff.is_some() && !matches!(alpha, AlphaMode::Mask(_)) {
-        return Err(Complaint::new(at, "a cutoff without alpha = \"mask\"", "both or neither"));
-    }
-    Ok(alpha)
 }
 
 impl From<texture::Wrap> for Wrap {

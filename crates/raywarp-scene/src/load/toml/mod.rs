@@ -9,9 +9,9 @@ mod file;
 mod light;
 mod material;
 mod mesh;
+mod parameters;
 mod path;
 mod place;
-mod render;
 #[cfg(test)]
 mod tests;
 mod texture;
@@ -162,7 +162,7 @@ impl Reader<'_> {
         self.turn_upright(file);
         self.scene.background = file.background.as_ref().map(light::background).or(self.scene.background);
         self.scene.ambient = file.ambient.map(|color| color.0).or(self.scene.ambient);
-        self.scene.render = file.render.defaults().or(&self.scene.render);
+        file.render.given.apply(&mut self.scene.render);
         Ok(())
     }
 
@@ -181,8 +181,8 @@ impl Reader<'_> {
     /// Reads the materials of this file. Those that edit others wait until all are there.
     fn materials(&mut self, file: &File) -> Result<(), Failure> {
         let first = self.scene.materials.len();
-        for entry in file.materials.iter().filter(|entry| entry.get_ref().replaces.is_none()) {
-            let Some(name) = &entry.get_ref().name else {
+        for entry in file.materials.iter().filter(|entry| entry.get_ref().others.replaces.is_none()) {
+            let Some(name) = &entry.get_ref().others.name else {
                 let expected = "name = \"NAME\", or replaces = \"NAME\" to change a material of another file";
                 return Err(Complaint::new(entry.span().start, "a material without a name", expected).into());
             };

@@ -8,10 +8,8 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::Deserialize;
 
+use crate::schema::LARGEST;
 use crate::srgb::srgb_to_linear;
-
-/// Nothing in a scene is larger: squares and cubes of it would leave the range of an `f32`.
-const LARGEST: f64 = 1e12;
 
 macro_rules! numbers {
     ($($(#[$doc:meta])* $name:ident($type:ty), $expected:literal, |$x:ident| $allowed:expr;)*) => {$(
@@ -39,10 +37,6 @@ numbers! {
     Positive(f32), "a number above 0, at most 1e12", |x| x as f32 > 0.0 && x <= LARGEST;
     /// From 0 to 1.
     Share(f32), "a number from 0 to 1", |x| (0.0..=1.0).contains(&x);
-    /// An index of refraction.
-    Ior(f32), "a number from 0.01 to 100", |x| (0.01..=100.0).contains(&x);
-    /// Stops of exposure.
-    Stops(f32), "a number from -60 to 60", |x| x.abs() <= 60.0;
     /// A full angle of view, in degrees. Double precision, so that every angle in radians can be written.
     FieldOfView(f64), "an angle from 0.001 to 179 degrees", |x| (0.001..=179.0).contains(&x);
     /// A half angle of a spot, in degrees.
@@ -75,6 +69,40 @@ impl Visitor<'_> for Number {
     }
 
     fn visit_u64<E: Error>(self, value: u64) -> Result<f64, E> {
+        self.visit_f64(value as f64)
+    }
+}
+
+/// A number within bounds, both included.
+pub fn ranged<'de, D: Deserializer<'de>>(deserializer: D, low: f64, high: f64) -> Result<f32, D::Error> {
+    deserializer.deserialize_f64(Range { low, high }).map(|number| number as f32)
+}
+
+struct Range {
+    low: f64,
+    high: f64,
+}
+
+impl Visitor<'_> for Range {
+    type Value = f64;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.high {
+            LARGEST => write!(f, "a number from {} to {LARGEST:e}", self.low),
+            high => write!(f, "a number from {} to {high}", self.low),
+        }
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<f64, E> {
+        // NaN is in no range.
+        if (self.low..=self.high).contains(&value) {
+            Ok(value)
+        } else {
+            Err(E::invalid_value(Unexpected::Float(value), &self))
+        }
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<f64, E> {
         self.visit_f64(value as f64)
     }
 }

@@ -3,11 +3,14 @@
 
 use std::fmt;
 
+use raywarp::scene::schema::{Described, Parameter};
+use raywarp::scene::{Light, Material};
+
 /// One value of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) enum Field {
     Light(usize, LightField),
-    Material(usize, MaterialField),
+    Material(usize, &'static Parameter<Material>),
     Instance(usize, InstanceField),
     Background(BackgroundField),
 }
@@ -31,27 +34,51 @@ macro_rules! fields {
     };
 }
 
-fields!(LightField {
-    There => "there",
-    On => "on",
-    Color => "color",
-    Intensity => "intensity",
-    Position => "position",
-    Direction => "direction",
-});
+/// A value of a light: one of its parameters, or what the panel makes of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) enum LightField {
+    There,
+    On,
+    /// The largest channel of its colour.
+    Intensity,
+    Of(&'static Parameter<Light>),
+}
 
-fields!(MaterialField {
-    Diffuse => "diffuse",
-    Specular => "specular",
-    Shininess => "shininess",
-    Ambient => "ambient",
-    Emission => "emission",
-    Reflection => "reflection",
-    Transmission => "transmission",
-    Ior => "ior",
-    Fresnel => "fresnel",
-    Opacity => "opacity",
-});
+impl LightField {
+    /// All that a light may have, in the order of the panel; the intensity comes after the colour that it multiplies.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let intensity = |parameter: &Parameter<Light>| (parameter.name == COLOR).then_some(Self::Intensity);
+        let parameters = on_panel::<Light>()
+            .flat_map(move |parameter| std::iter::once(Self::Of(parameter)).chain(intensity(parameter)));
+        [Self::There, Self::On].into_iter().chain(parameters)
+    }
+
+    /// Whether it is the parameter of this name.
+    pub fn is(self, name: &str) -> bool {
+        matches!(self, Self::Of(parameter) if parameter.name == name)
+    }
+
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::There => "there",
+            Self::On => "on",
+            Self::Intensity => "intensity",
+            Self::Of(parameter) => parameter.name,
+        }
+    }
+
+    fn named(word: &str) -> Option<Self> {
+        Self::all().find(|field| field.word() == word)
+    }
+}
+
+/// The parameter of a light that the panel shows in two rows.
+pub(super) const COLOR: &str = "color";
+
+/// The parameters that the panel shows.
+pub(super) fn on_panel<T: Described>() -> impl Iterator<Item = &'static Parameter<T>> {
+    T::parameters().filter(|parameter| parameter.panel.is_some())
+}
 
 fields!(InstanceField {
     Translate => "translate",
@@ -77,7 +104,7 @@ impl Field {
         };
         let field = match kind {
             "light" => Self::Light(index, LightField::named(word)?),
-            "material" => Self::Material(index, MaterialField::named(word)?),
+            "material" => Self::Material(index, on_panel().find(|parameter| parameter.name == word)?),
             "instance" => Self::Instance(index, InstanceField::named(word)?),
             "background" => Self::Background(BackgroundField::named(word)?),
             _ => return None,
@@ -97,7 +124,7 @@ impl fmt::Display for Field {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Light(index, field) => write!(f, "light.{index}.{}", field.word()),
-            Self::Material(index, field) => write!(f, "material.{index}.{}", field.word()),
+            Self::Material(index, parameter) => write!(f, "material.{index}.{}", parameter.name),
             Self::Instance(index, field) => write!(f, "instance.{index}.{}", field.word()),
             Self::Background(field) => write!(f, "background.{}", field.word()),
         }
@@ -110,7 +137,7 @@ mod tests {
 
     #[test]
     fn names_lead_back_and_others_lead_nowhere() {
-        for &field in LightField::ALL {
+        for field in LightField::all() {
             assert_eq!(Field::of(&Field::Light(7, field).to_string()), Some(Field::Light(7, field)));
         }
         let field = Field::Background(BackgroundField::Ambient);

@@ -162,7 +162,7 @@ impl Edits {
         let default = self.default(field).filter(|_| self.is_shown(field)).ok_or_else(missing)?;
         let refuse = |why: String| format!("{} {why}", self.label(field));
         control_value::check(&self.control(field), value).map_err(refuse)?;
-        if matches!(field, Field::Light(_, LightField::Direction)) && *value == Value::Triple([0.0; 3]) {
+        if matches!(field, Field::Light(_, light) if light.is("direction")) && *value == Value::Triple([0.0; 3]) {
             return Err(refuse("is not zero".to_owned()));
         }
         let wanted = (*value != default).then(|| value.clone());

@@ -1,7 +1,10 @@
 //! The edits as rows of the panel.
 
-use super::field::{BackgroundField, Field, InstanceField, LightField, MaterialField};
+use raywarp::scene::schema::{PanelRow, Parameter};
+
+use super::field::{on_panel, BackgroundField, Field, InstanceField, LightField};
 use super::Edits;
+use crate::live::parameter_control::{self, range};
 use crate::live::{Control, Row, Section, Value};
 
 /// More lights than this are not laid out one by one.
@@ -31,8 +34,8 @@ impl Edits {
     }
 
     fn light_section(&self, index: usize) -> Section {
-        let shown = LightField::ALL.iter().filter(|&&field| field != LightField::There);
-        let mut rows: Vec<Row> = shown.filter_map(|&field| self.row(Field::Light(index, field))).collect();
+        let shown = LightField::all().filter(|&field| field != LightField::There);
+        let mut rows: Vec<Row> = shown.filter_map(|field| self.row(Field::Light(index, field))).collect();
         if index >= self.lights_read {
             rows.push(Row {
                 id: format!("light.{index}.remove"),
@@ -55,7 +58,7 @@ impl Edits {
     /// A material; nothing where there is no such.
     pub fn material_section(&self, index: usize) -> Option<Section> {
         let material = self.base.materials.get(index)?;
-        let rows = MaterialField::ALL.iter().filter_map(|&field| self.row(Field::Material(index, field))).collect();
+        let rows = on_panel().filter_map(|parameter| self.row(Field::Material(index, parameter))).collect();
         Some(Section { id: format!("material.{index}"), title: titled("Material", index, &material.name), rows })
     }
 
@@ -80,20 +83,9 @@ impl Edits {
         match field {
             Field::Light(_, LightField::There) => "Light",
             Field::Light(_, LightField::On) => "On",
-            Field::Light(_, LightField::Color) => "Colour",
             Field::Light(_, LightField::Intensity) => "Intensity",
-            Field::Light(_, LightField::Position) => "Position",
-            Field::Light(_, LightField::Direction) => "Direction",
-            Field::Material(_, MaterialField::Diffuse) => "Diffuse",
-            Field::Material(_, MaterialField::Specular) => "Specular",
-            Field::Material(_, MaterialField::Shininess) => "Shininess",
-            Field::Material(_, MaterialField::Ambient) => "Ambient",
-            Field::Material(_, MaterialField::Emission) => "Emission",
-            Field::Material(_, MaterialField::Reflection) => "Reflection",
-            Field::Material(_, MaterialField::Transmission) => "Transmission",
-            Field::Material(_, MaterialField::Ior) => "Index of refraction",
-            Field::Material(_, MaterialField::Fresnel) => "Fresnel",
-            Field::Material(_, MaterialField::Opacity) => "Opacity",
+            Field::Light(_, LightField::Of(parameter)) => label(parameter),
+            Field::Material(_, parameter) => label(parameter),
             Field::Instance(_, InstanceField::Translate) => "Shift",
             Field::Instance(_, InstanceField::Rotate) => "Turn, degrees",
             Field::Instance(_, InstanceField::Scale) => "Scale",
@@ -106,31 +98,30 @@ impl Edits {
 
     /// How a field can be changed. Ranges are usual ones, and wide enough for what the file says.
     pub(super) fn control(&self, field: Field) -> Control {
-        let [low, high] = range(self.default(field));
+        let default = self.default(field);
+        let [low, high] = default.as_ref().map_or([f32::INFINITY, f32::NEG_INFINITY], range);
         let number = |min: f32, max: f32| Control::Number { min: low.min(min), max: high.max(max), step: 0.0 };
-        let color = |max: f32| Control::Color { max: high.max(max) };
         match field {
-            Field::Light(_, field) => match field {
-                LightField::There | LightField::On => Control::Flag,
-                LightField::Color => color(1.0),
-                LightField::Intensity => number(0.0, (4.0 * high).clamp(10.0, f32::MAX)),
-                LightField::Position => Control::Vector { step: self.step() },
-                LightField::Direction => Control::Vector { step: 0.05 },
-            },
-            Field::Material(_, field) => match field {
-                MaterialField::Fresnel => Control::Flag,
-                MaterialField::Shininess => number(0.0, 1000.0),
-                MaterialField::Ior => number(1.0, 3.0),
-                MaterialField::Opacity => number(0.0, 1.0),
-                MaterialField::Emission => color(10.0),
-                _ => color(1.0),
-            },
+            Field::Light(_, LightField::There | LightField::On) => Control::Flag,
+            Field::Light(_, LightField::Intensity) => number(0.0, (4.0 * high).clamp(10.0, f32::MAX)),
+            Field::Light(_, LightField::Of(parameter)) => self.parameter(parameter, default),
+            Field::Material(_, parameter) => self.parameter(parameter, default),
             Field::Instance(_, field) => match field {
                 InstanceField::Translate => Control::Vector { step: self.step() },
                 InstanceField::Rotate => Control::Vector { step: 1.0 },
                 InstanceField::Scale => number(0.01, 100.0),
             },
-            Field::Background(_) => color(2.0),
+            Field::Background(_) => Control::Color { max: high.max(2.0) },
+        }
+    }
+
+    fn parameter<T>(&self, parameter: &Parameter<T>, default: Option<Value>) -> Control {
+        let values: Vec<&Value> = default.iter().collect();
+        let row = parameter.panel.unwrap_or(PanelRow::new(parameter.name));
+        match parameter_control::control(parameter, &row, &values) {
+            // A place: its steps are the scene's.
+            Control::Vector { step: 0.0 } => Control::Vector { step: self.step() },
+            control => control,
         }
     }
 
@@ -141,14 +132,8 @@ impl Edits {
     }
 }
 
-/// The least and the largest number in a value.
-fn range(value: Option<Value>) -> [f32; 2] {
-    let numbers = match value {
-        Some(Value::Number(x)) => vec![x],
-        Some(Value::Triple(v)) => v.to_vec(),
-        _ => Vec::new(),
-    };
-    numbers.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], &x| [low.min(x), high.max(x)])
+fn label<T>(parameter: &Parameter<T>) -> &'static str {
+    parameter.panel.map_or(parameter.name, |row| row.label)
 }
 
 fn titled(kind: &str, index: usize, name: &str) -> String {

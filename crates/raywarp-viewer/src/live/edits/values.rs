@@ -1,11 +1,12 @@
 //! Values of fields, and what the scene becomes by them.
 
 use raywarp::render;
-use raywarp::scene::{AlphaMode, Background, Light, LightKind, Material, Scene, Transform};
+use raywarp::scene::{AlphaMode, Background, Light, Material, Scene, Transform};
 
-use super::field::{BackgroundField, Field, InstanceField, LightField, MaterialField};
+use super::field::{on_panel, BackgroundField, Field, InstanceField, LightField, COLOR};
 use super::place::Shift;
 use super::Edits;
+use crate::live::parameter_control::{shown, taken};
 use crate::live::Value;
 
 impl Edits {
@@ -13,7 +14,7 @@ impl Edits {
     pub(super) fn value(&self, field: Field) -> Option<Value> {
         match field {
             // The ambient colour follows the diffuse one.
-            Field::Material(index, field) => self.edited.materials.get(index).map(|m| material_value(m, field)),
+            Field::Material(index, parameter) => parameter.get(self.edited.materials.get(index)?).map(shown),
             _ => self.history.changes().get(&field).cloned().or_else(|| self.default(field)),
         }
     }
@@ -22,7 +23,7 @@ impl Edits {
     pub(super) fn default(&self, field: Field) -> Option<Value> {
         match field {
             Field::Light(index, field) => self.light_default(index, field),
-            Field::Material(index, field) => self.base.materials.get(index).map(|m| material_value(m, field)),
+            Field::Material(index, parameter) => parameter.get(self.base.materials.get(index)?).map(shown),
             Field::Instance(index, field) => self.base.instances.get(index).map(|_| match field {
                 InstanceField::Translate => Value::Triple(Shift::NONE.translate),
                 InstanceField::Rotate => Value::Triple(Shift::NONE.rotate),
@@ -35,18 +36,14 @@ impl Edits {
     fn light_default(&self, index: usize, field: LightField) -> Option<Value> {
         let light = self.base.lights.get(index)?;
         let intensity = intensity(light);
-        let (position, direction) = match light.kind {
-            LightKind::Point { position } => (Some(position), None),
-            LightKind::Directional { direction } => (None, Some(direction)),
-            LightKind::Spot { position, direction, .. } => (Some(position), Some(direction)),
-        };
         Some(match field {
             LightField::There => Value::Flag(index < self.lights_read),
             LightField::On => Value::Flag(true),
-            LightField::Color => Value::Triple(light.color.map(|channel| channel / intensity)),
             LightField::Intensity => Value::Number(intensity),
-            LightField::Position => Value::Triple(position?),
-            LightField::Direction => Value::Triple(direction?),
+            LightField::Of(parameter) if parameter.name == COLOR => {
+                Value::Triple(light.color.map(|channel| channel / intensity))
+            }
+            LightField::Of(parameter) => shown(parameter.get(light)?),
         })
     }
 
@@ -69,34 +66,43 @@ impl Edits {
     pub(super) fn light(&self, index: usize) -> Option<Light> {
         let mut light = self.base.lights.get(index).filter(|_| self.is_there(index))?.clone();
         let value = |field| self.value(Field::Light(index, field));
-        let changed = |field| self.history.changes().contains_key(&Field::Light(index, field));
-        if changed(LightField::Color) || changed(LightField::Intensity) {
-            let (color, intensity) = (triple(value(LightField::Color)?)?, number(value(LightField::Intensity)?)?);
-            light.color = color.map(|channel| channel * intensity);
+        let changed = |field| self.history.changes().get(&Field::Light(index, field));
+        for field in LightField::all() {
+            match (field, changed(field)) {
+                (LightField::Intensity, Some(_)) => light.color = self.light_color(index)?,
+                (LightField::Of(parameter), Some(_)) if parameter.name == COLOR => {
+                    light.color = self.light_color(index)?;
+                }
+                (LightField::Of(parameter), Some(value)) => parameter.set(&mut light, taken(parameter.kind, value)?),
+                _ => {}
+            }
         }
         if value(LightField::On) == Some(Value::Flag(false)) {
             light.color = [0.0; 3];
         }
-        let (at, along) = (value(LightField::Position), value(LightField::Direction));
-        match &mut light.kind {
-            LightKind::Point { position } => *position = triple(at?)?,
-            LightKind::Directional { direction } => *direction = triple(along?)?,
-            LightKind::Spot { position, direction, .. } => (*position, *direction) = (triple(at?)?, triple(along?)?),
-        }
         Some(light)
+    }
+
+    /// Colour times intensity.
+    fn light_color(&self, index: usize) -> Option<[f32; 3]> {
+        let value = |field| self.value(Field::Light(index, field));
+        let color = triple(value(LightField::all().find(|field| field.is(COLOR))?)?)?;
+        let intensity = number(value(LightField::Intensity)?)?;
+        Some(color.map(|channel| channel * intensity))
     }
 
     /// A material with its edits.
     pub(super) fn material(&self, index: usize) -> Option<Material> {
         let base = self.base.materials.get(index)?;
         let mut material = base.clone();
-        let of = |field| self.history.changes().get(&Field::Material(index, field)).cloned();
-        for &field in MaterialField::ALL {
-            if let Some(value) = of(field) {
-                set_material(&mut material, field, value)?;
+        let mut has_ambient = false;
+        for parameter in on_panel() {
+            if let Some(value) = self.history.changes().get(&Field::Material(index, parameter)) {
+                parameter.set(&mut material, taken(parameter.kind, value)?);
+                has_ambient |= parameter.name == "ambient";
             }
         }
-        if of(MaterialField::Ambient).is_none() && base.ambient == base.diffuse {
+        if !has_ambient && base.ambient == base.diffuse {
             material.ambient = material.diffuse;
         }
         // Opaque ignores the coverage: whoever sets one wants to see it.
@@ -145,37 +151,6 @@ fn intensity(light: &Light) -> f32 {
     } else {
         1.0
     }
-}
-
-fn material_value(material: &Material, field: MaterialField) -> Value {
-    match field {
-        MaterialField::Diffuse => Value::Triple(material.diffuse),
-        MaterialField::Specular => Value::Triple(material.specular),
-        MaterialField::Shininess => Value::Number(material.shininess),
-        MaterialField::Ambient => Value::Triple(material.ambient),
-        MaterialField::Emission => Value::Triple(material.emission),
-        MaterialField::Reflection => Value::Triple(material.reflection),
-        MaterialField::Transmission => Value::Triple(material.transmission),
-        MaterialField::Ior => Value::Number(material.ior),
-        MaterialField::Fresnel => Value::Flag(material.fresnel),
-        MaterialField::Opacity => Value::Number(material.opacity),
-    }
-}
-
-fn set_material(material: &mut Material, field: MaterialField, value: Value) -> Option<()> {
-    match field {
-        MaterialField::Diffuse => material.diffuse = triple(value)?,
-        MaterialField::Specular => material.specular = triple(value)?,
-        MaterialField::Shininess => material.shininess = number(value)?,
-        MaterialField::Ambient => material.ambient = triple(value)?,
-        MaterialField::Emission => material.emission = triple(value)?,
-        MaterialField::Reflection => material.reflection = triple(value)?,
-        MaterialField::Transmission => material.transmission = triple(value)?,
-        MaterialField::Ior => material.ior = number(value)?,
-        MaterialField::Fresnel => material.fresnel = value == Value::Flag(true),
-        MaterialField::Opacity => material.opacity = number(value)?,
-    }
-    Some(())
 }
 
 fn triple(value: Value) -> Option<[f32; 3]> {

@@ -3,11 +3,11 @@
 use std::str::FromStr;
 
 use raywarp::accel::{AccelKind, Build, Quality};
-use raywarp::image::ToneMap;
-use raywarp::render::MAX_DEPTH;
+use raywarp::scene::settings::{Part, Setting, SETTINGS};
 
 use super::{checked, is_meant, row, Effect};
-use crate::live::view_settings::{View, ViewSettings, FRAME_RATES, MAX_EXPOSURE, MAX_LEVEL, MAX_SAMPLES};
+use crate::live::parameter_control::{control, shown, taken};
+use crate::live::view_settings::{View, ViewSettings, FRAME_RATES, MAX_LEVEL};
 use crate::live::{Control, Row, Section, Value};
 
 const SECTION: &str = "rendering";
@@ -18,55 +18,35 @@ pub(super) fn section(looks: [&ViewSettings; 2], tree: &[Build; 2]) -> Section {
 
 fn rows(looks: [&ViewSettings; 2], tree: &[Build; 2]) -> Vec<Row> {
     let both = |value: fn(&ViewSettings) -> Value| looks.map(value);
-    // A file may ask for more than people usually do.
-    let stops = looks.iter().map(|view_settings| view_settings.development.exposure.abs()).fold(MAX_EXPOSURE, f32::max);
     let named = |value: fn(&Build) -> String| [Value::Text(value(&tree[0])), Value::Text(value(&tree[1]))];
     let number = |min: f32, max: f32, step: f32| Control::Number { min, max, step };
-    vec![
-        row("look.view", "View", both(|view_settings| text(view_settings.view)), choice(View::ALL)),
-        row(
-            "look.boxes",
-            "Boxes to level",
-            both(|view_settings| level(view_settings.boxes)),
-            number(-1.0, MAX_LEVEL as f32, 1.0),
-        ),
-        row(
-            "look.exposure",
-            "Exposure, stops",
-            both(|view_settings| Value::Number(view_settings.development.exposure)),
-            number(-stops, stops, 0.1),
-        ),
-        row(
-            "look.tone_map",
-            "Tone map",
-            both(|view_settings| text(view_settings.development.tone_map)),
-            choice(ToneMap::ALL),
-        ),
-        row("look.max_depth", "Bounces", both(|view_settings| Value::Number(view_settings.max_depth as f32)), {
-            number(0.0, MAX_DEPTH as f32, 1.0)
+    let mut rows = vec![
+        row("look.view", "View", both(|settings| text(settings.view)), choice(View::ALL)),
+        row("look.boxes", "Boxes to level", both(|settings| level(settings.boxes)), {
+            number(-1.0, MAX_LEVEL as f32, 1.0)
         }),
-        row("look.shadows", "Shadows", both(|view_settings| Value::Flag(view_settings.shadows)), Control::Flag),
-        row("look.spp", "Samples a pixel", both(|view_settings| Value::Number(view_settings.spp as f32)), {
-            number(1.0, MAX_SAMPLES as f32, 1.0)
-        }),
-        row(
-            "look.reference",
-            "Full quality",
-            both(|view_settings| Value::Flag(view_settings.reference)),
-            Control::Flag,
-        ),
-        row("look.frame_rate", "Frames a second", both(|view_settings| Value::Number(view_settings.frame_rate)), {
+    ];
+    rows.extend(SETTINGS.iter().filter_map(|setting| setting_row(setting, looks)));
+    rows.extend([
+        row("look.reference", "Full quality", both(|settings| Value::Flag(settings.reference)), Control::Flag),
+        row("look.frame_rate", "Frames a second", both(|settings| Value::Number(settings.frame_rate)), {
             number(FRAME_RATES[0], FRAME_RATES[1], 1.0)
         }),
-        row(
-            "look.statistics",
-            "Statistics",
-            both(|view_settings| Value::Flag(view_settings.statistics)),
-            Control::Flag,
-        ),
+        row("look.statistics", "Statistics", both(|settings| Value::Flag(settings.statistics)), Control::Flag),
         row("tree.kind", "Structure", named(|tree| tree.kind.to_string()), choice(AccelKind::ALL)),
         row("tree.quality", "Quality of the tree", named(|tree| tree.quality.to_string()), choice(Quality::ALL)),
-    ]
+    ]);
+    rows
+}
+
+/// An option of the schema, as "look.NAME"; nothing for those that are not on the panel.
+fn setting_row(setting: &Setting, looks: [&ViewSettings; 2]) -> Option<Row> {
+    let parameter = &setting.parameter;
+    let panel = parameter.panel.as_ref()?;
+    let [now, usual] = looks.map(|settings| parameter.get(&settings.render).map(shown));
+    let values = [now?, usual?];
+    let control = control(parameter, panel, &values.each_ref());
+    Some(row(&format!("look.{}", parameter.name), panel.label, values, control))
 }
 
 pub(super) fn set(
@@ -105,18 +85,16 @@ pub(super) fn reset(
 
 /// Of a value that its row takes.
 fn apply(view_settings: &mut ViewSettings, tree: &[Build; 2], id: &str, value: &Value) -> Option<Effect> {
+    let setting = |name: &str| SETTINGS.iter().find(|setting| setting.parameter.name == name);
+    if let Some(setting) = id.strip_prefix("look.").and_then(setting) {
+        setting.parameter.set(&mut view_settings.render, taken(setting.parameter.kind, value)?);
+        return Some(if setting.part == Part::Display { Effect::ToneMapFilm } else { Effect::Picture });
+    }
     let effect = match (id, value) {
         ("look.view", Value::Text(name)) => (view_settings.view = name.parse().ok()?, Effect::Picture).1,
         ("look.boxes", Value::Number(x)) => {
             (view_settings.boxes = (*x >= 0.0).then(|| x.round() as u32), Effect::ToneMapFilm).1
         }
-        ("look.exposure", Value::Number(x)) => (view_settings.development.exposure = *x, Effect::ToneMapFilm).1,
-        ("look.tone_map", Value::Text(name)) => {
-            (view_settings.development.tone_map = name.parse().ok()?, Effect::ToneMapFilm).1
-        }
-        ("look.max_depth", Value::Number(x)) => (view_settings.max_depth = x.round() as u32, Effect::Picture).1,
-        ("look.shadows", Value::Flag(on)) => (view_settings.shadows = *on, Effect::Picture).1,
-        ("look.spp", Value::Number(x)) => (view_settings.spp = x.round() as u32, Effect::Picture).1,
         ("look.reference", Value::Flag(on)) => (view_settings.reference = *on, Effect::Overlay).1,
         ("look.frame_rate", Value::Number(x)) => (view_settings.frame_rate = *x, Effect::Overlay).1,
         ("look.statistics", Value::Flag(on)) => (view_settings.statistics = *on, Effect::Overlay).1,

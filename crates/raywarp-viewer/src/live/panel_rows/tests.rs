@@ -171,7 +171,7 @@ fn sections_and_all_go_back_at_once() {
         let before = bench.panel();
         bench.set("tree.kind", Value::Text("kd".into())).unwrap();
         bench.set("tree.quality", Value::Text("high".into())).unwrap();
-        bench.set("look.spp", Value::Number(7.0)).unwrap();
+        bench.set("look.samples", Value::Number(7.0)).unwrap();
         assert_eq!(bench.tree[0], Build { kind: AccelKind::Kd, quality: Quality::High, cached: false });
         assert_eq!(bench.reset(id), [Effect::Picture, Effect::Build(bench.tree[1])]);
         assert_eq!(bench.panel(), before);
@@ -210,7 +210,7 @@ fn what_cannot_be_is_refused_with_a_sentence() {
     let target = bench.camera.camera().target;
     let before = bench.panel();
     for (id, value, part) in [
-        ("look.spp", Value::Number(f32::NAN), "a number from 1"),
+        ("look.samples", Value::Number(f32::NAN), "a number from 1"),
         ("look.view", Value::Text("x-ray".into()), "one of picture"),
         ("look.nothing", Value::Flag(true), "nothing called"),
         ("camera.fov", Value::Number(180.0), "from 1 to 150"),

@@ -87,7 +87,7 @@ impl Viewer {
         let options = RenderOptions { spp: 1, ..self.view_settings.render_options(size) };
         while !self.meter.exposed(tracer.accumulate(&mut film, camera, &options, f64::INFINITY)?) {}
         self.meter.fetching();
-        film.tone_map_film(&self.view_settings.development, None)?;
+        film.tone_map_film(&self.view_settings.development(), None)?;
         self.meter.samples([1, 1], size);
         let picture = self.fetch(tracer, camera, &film, false)?;
         (self.moving, self.lacks, self.legend) = (Some(film), Lacks::Samples, None);
@@ -120,7 +120,7 @@ impl Viewer {
             self.meter.count_rays(tracer, camera, &options, film.rate())?;
         }
         self.meter.fetching();
-        film.tone_map_film(&self.view_settings.development, self.moving.as_ref())?;
+        film.tone_map_film(&self.view_settings.development(), self.moving.as_ref())?;
         self.meter.samples([film.samples(), options.spp], self.size);
         let picture = self.fetch(tracer, camera, &film, complete)?;
         self.lacks = if complete { Lacks::Nothing } else { Lacks::Samples };

@@ -28,7 +28,7 @@ pub fn scene_file(
     let plain = RenderOptions::from(&ready.read.render);
     let chosen = RenderDefaults {
         size: (size != plain.size).then_some(size),
-        spp: (view_settings.spp != plain.spp).then_some(view_settings.spp),
+        spp: view_settings.render.spp.filter(|&spp| spp != plain.spp),
         accel: (wanted.kind != natural.kind).then_some(wanted.kind),
         tree: (wanted.quality != natural.quality).then_some(wanted.quality),
         ..view_settings.overrides(&ViewSettings::of(&ready.read.render))

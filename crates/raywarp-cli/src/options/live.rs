@@ -1,0 +1,37 @@
+//! Options of the viewer, in a window and in browsers.
+
+use clap::Args;
+use raywarp::scene::RenderDefaults;
+use raywarp_viewer::live::view_settings::MAX_SAMPLES;
+use raywarp_viewer::live::LiveSceneOptions;
+
+use super::{CameraOptions, LightSettings, MachineOptions};
+use crate::values;
+
+/// How a scene is shown to people: options of `view` and `serve`.
+#[derive(Debug, Args)]
+pub struct LiveOptions {
+    /// Samples a pixel that the picture goes up to at rest [default: the scene file's, else 64]
+    #[arg(long = "samples", visible_alias = "spp", value_name = "N", value_parser = values::whole::<u32>(1, MAX_SAMPLES.into()))]
+    #[arg(help_heading = "Picture")]
+    pub spp: Option<u32>,
+    #[command(flatten)]
+    pub light: LightSettings,
+    #[command(flatten)]
+    pub camera: CameraOptions,
+    #[command(flatten)]
+    pub machine: MachineOptions,
+}
+
+impl LiveOptions {
+    /// The same in the viewer's words.
+    pub fn live_scene(&self) -> LiveSceneOptions {
+        let own = RenderDefaults { spp: self.spp, ..RenderDefaults::default() };
+        LiveSceneOptions {
+            overrides: own.or(&self.light.values).or(&self.machine.structure.values),
+            viewpoint: self.camera.viewpoint(),
+            cached: !self.machine.no_cache,
+            ..LiveSceneOptions::default()
+        }
+    }
+}
