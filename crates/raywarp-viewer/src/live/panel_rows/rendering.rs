@@ -34,7 +34,7 @@ fn rows(looks: [&ViewSettings; 2], tree: &[Build; 2]) -> Vec<Row> {
             "look.exposure",
             "Exposure, stops",
             both(|view_settings| Value::Number(view_settings.development.exposure)),
-            { number(-stops, stops, 0.1) },
+            number(-stops, stops, 0.1),
         ),
         row(
             "look.tone_map",

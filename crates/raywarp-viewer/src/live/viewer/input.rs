@@ -1,6 +1,6 @@
 //! What events do: to the camera, the options, the scene.
 
-use super::{Lacks, Viewer, MOST};
+use super::{Lacks, Viewer};
 use crate::live::edits::Touched;
 use crate::live::export::{Content, Export, Ticket};
 use crate::live::keys::{self, Action};
@@ -29,10 +29,7 @@ impl Viewer {
             }
         }
         match event {
-            Event::Resize { width, height } => {
-                self.size = [*width, *height].map(|side| side.clamp(1, MOST));
-                self.ask(Lacks::Everything);
-            }
+            Event::Resize { width, height } => self.resize([*width, *height]),
             Event::Set { id, value } => match self.with_context(live_scene, |context| context.set(id, value)) {
                 Ok(effect) => return self.see_to(live_scene, effect),
                 Err(why) => self.refuse(why),

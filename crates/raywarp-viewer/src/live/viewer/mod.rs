@@ -56,7 +56,7 @@ pub struct Viewer {
     trees: u64,
     /// Of the structure, where they are shown.
     boxes: Option<Vec<TreeBox>>,
-    /// A small picture while something moves, and the whole one while it rests.
+    /// A coarse picture while something moves: whole, and shown where the one at rest has no sample yet.
     moving: Option<Film>,
     resting: Option<Film>,
     /// Whether the latter still has the samples of another view.
@@ -85,6 +85,8 @@ enum Lacks {
     Samples,
     /// The same samples, shown otherwise.
     Developing,
+    /// The same view in another size.
+    Size,
     /// All of it.
     Everything,
 }
@@ -139,6 +141,15 @@ impl Viewer {
 
     fn ask(&mut self, more: Lacks) {
         self.lacks = self.lacks.max(more);
+    }
+
+    /// Takes another size. What is on show stays, scaled, until there are samples of the new size.
+    fn resize(&mut self, size: [u32; 2]) {
+        self.size = size.map(|side| side.clamp(1, MOST));
+        if !self.resting_is_old && self.lacks < Lacks::Everything {
+            self.moving = self.resting.take_if(|film| film.samples() > 0).or(self.moving.take());
+        }
+        self.ask(Lacks::Size);
     }
 
     /// Something moves: a small picture first. The time is known at the next frame.

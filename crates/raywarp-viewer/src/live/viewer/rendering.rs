@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use raywarp::image::heatmap::PERCENT;
 use raywarp::render::{Film, Quantity, RenderOptions, Tracer};
 use raywarp::scene::Camera;
 
@@ -72,20 +73,10 @@ impl Viewer {
         held || self.moved.is_some_and(|moved| now.saturating_sub(moved) < REST)
     }
 
-    /// One sample a pixel of as many pixels as there is time for.
+    /// A coarse picture of what moves.
     fn move_on(&mut self, tracer: &Tracer, camera: &Camera) -> Result<Picture, ViewerError> {
-        let rate = self.moving.as_ref().or(self.resting.as_ref()).map(Film::rate);
-        let size = match rate {
-            Some(rate) => self.pace.size(self.size, rate, self.view_settings.frame_rate),
-            None => self.pace.size(
-                self.size,
-                if tracer.device().is_cuda() { 2e8 } else { 1e6 },
-                self.view_settings.frame_rate,
-            ),
-        };
-        let mut film = fresh(self.moving.take(), tracer, size, rate)?;
-        let options = RenderOptions { spp: 1, ..self.view_settings.render_options(size) };
-        while !self.meter.exposed(tracer.accumulate(&mut film, camera, &options, f64::INFINITY)?) {}
+        let size = self.coarse_size(tracer);
+        let mut film = self.coarse(tracer, camera, size)?;
         self.meter.fetching();
         film.tone_map_film(&self.view_settings.development, None)?;
         self.meter.samples([1, 1], size);
@@ -96,12 +87,29 @@ impl Viewer {
         Ok(picture)
     }
 
+    /// As many pixels as can be traced in the time of a frame.
+    fn coarse_size(&mut self, tracer: &Tracer) -> [u32; 2] {
+        let known = self.moving.as_ref().or(self.resting.as_ref()).map(Film::rate);
+        let rate = known.unwrap_or(if tracer.device().is_cuda() { 2e8 } else { 1e6 });
+        self.pace.size(self.size, rate, self.view_settings.frame_rate)
+    }
+
+    /// One sample of each of so many pixels.
+    fn coarse(&mut self, tracer: &Tracer, camera: &Camera, size: [u32; 2]) -> Result<Film, ViewerError> {
+        let rate = self.moving.as_ref().or(self.resting.as_ref()).map(Film::rate);
+        let mut film = fresh(self.moving.take(), tracer, size, rate)?;
+        let options = RenderOptions { spp: 1, ..self.view_settings.render_options(size) };
+        while !self.meter.exposed(tracer.accumulate(&mut film, camera, &options, f64::INFINITY)?) {}
+        Ok(film)
+    }
+
     /// More samples of the whole picture.
     fn refine(&mut self, tracer: &Tracer, camera: &Camera) -> Result<Picture, ViewerError> {
         let rate = self.resting.as_ref().or(self.moving.as_ref()).map(Film::rate);
         if self.lacks == Lacks::Everything {
-            // It would show another view where there is no sample yet.
-            self.moving = None;
+            // The one before would show another view where there is no sample yet.
+            let size = self.coarse_size(tracer);
+            self.moving = if size == self.size { None } else { Some(self.coarse(tracer, camera, size)?) };
         }
         let mut film = match self.resting.take() {
             Some(film) if film.size() == self.size && self.lacks != Lacks::Everything && !self.resting_is_old => film,
@@ -212,7 +220,9 @@ fn legend(quantity: Quantity, [low, high]: [f32; 2], is_gpu: bool) -> Option<Leg
         Quantity::Ticks if is_gpu => ("cycles of the pixel's thread", HEAT.to_vec()),
         Quantity::Ticks => ("nanoseconds of the pixel", HEAT.to_vec()),
     };
+    let costs = matches!(quantity, Quantity::Tests | Quantity::Ticks);
+    let title = if costs { format!("{title}; {PERCENT} % are within the scale") } else { title.to_owned() };
     let number = |x: f32| if colors.is_empty() { String::new() } else { format!("{x}") };
     let (low, high) = (number(low), number(high));
-    Some(Legend { title: title.to_owned(), low, high, colors })
+    Some(Legend { title, low, high, colors })
 }
