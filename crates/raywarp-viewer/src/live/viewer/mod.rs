@@ -1,8 +1,9 @@
-//! One pair of eyes on the stage: camera, options, picture.
+//! One pair of eyes on the live scene: camera, options, picture.
 
 mod frame_pool;
 mod input;
 mod rendering;
+mod resets;
 mod save;
 
 use std::sync::Weak;
@@ -17,6 +18,7 @@ use super::camera_control::CameraControl;
 use super::live_scene::Ready;
 use super::meter::Meter;
 use super::object_drag::ObjectDrag;
+use super::outline::Outline;
 use super::pace::Pace;
 use super::panel_rows::{self, Shown};
 use super::pick::Pick;
@@ -25,6 +27,7 @@ use super::view_settings::ViewSettings;
 use super::{Legend, LiveScene, Notice, Panel, Status};
 
 use frame_pool::FramePool;
+use resets::Resets;
 
 /// Pixels to show.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,12 +53,15 @@ pub struct Viewer {
     clicks: Clicks,
     object_drag: ObjectDrag,
     pick: Option<Pick>,
-    /// Of the stage, as the picture shows it.
+    resets: Resets,
+    /// Of the live scene, as the picture shows it.
     generation: u64,
     edition: u64,
     trees: u64,
     /// Of the structure, where they are shown.
     boxes: Option<Vec<TreeBox>>,
+    /// Of what is picked, with what it depends on.
+    outline: Option<(Outlined, Outline)>,
     /// A coarse picture while something moves: whole, and shown where the one at rest has no sample yet.
     moving: Option<Film>,
     resting: Option<Film>,
@@ -75,6 +81,15 @@ pub struct Viewer {
     exported: Weak<()>,
     /// Notices of the stage that were there when something was done after them.
     read: u64,
+}
+
+/// What an outline depends on.
+#[derive(Clone, Debug, PartialEq)]
+struct Outlined {
+    camera: Camera,
+    size: [u32; 2],
+    instance: usize,
+    edition: u64,
 }
 
 /// How much of the picture has to be made anew.
@@ -102,10 +117,12 @@ impl Viewer {
             clicks: Clicks::default(),
             object_drag: ObjectDrag::default(),
             pick: None,
+            resets: Resets::default(),
             generation: 0,
             edition: 0,
             trees: 0,
             boxes: None,
+            outline: None,
             moving: None,
             resting: None,
             resting_is_old: false,
@@ -173,7 +190,7 @@ impl Viewer {
         if self.generation != live_scene.generation() {
             self.generation = live_scene.generation();
             self.view_settings.follow(&self.usual, &ready.usual);
-            (self.usual, self.pick) = (ready.usual.clone(), None);
+            (self.usual, self.pick, self.resets) = (ready.usual.clone(), None, Resets::default());
             let (home, bounds) = (ready.home.clone(), ready.tracer.report().bounds);
             let (cameras, up) = (ready.scene.cameras.clone(), [0.0, 1.0, 0.0]);
             match &mut self.control {
