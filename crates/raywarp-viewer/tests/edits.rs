@@ -151,7 +151,16 @@ impl Session {
                 std::thread::sleep(Duration::from_millis(2));
             }
         }
+        if self.picked("instance").is_some() {
+            return self.kept();
+        }
         self.shown()
+    }
+
+    /// The picture that the key for files gives: without the outline of what is picked.
+    fn kept(&mut self) -> Vec<u8> {
+        let Some(Outcome::File(export)) = self.key("F12", true).pop() else { panic!("no file") };
+        image::load_from_memory(&export.make().unwrap()).unwrap().to_rgba8().into_raw()
     }
 
     /// Frames until a condition holds.
@@ -194,6 +203,80 @@ fn lights_and_materials_change_and_go_back() {
     session.reset("");
     assert!(session.rest() == first);
     assert!(!session.row("light.0.position").changed);
+}
+
+#[test]
+fn a_reset_is_taken_back_and_so_are_the_steps_before_it() {
+    let place = Place::new();
+    let mut session = place.open(LiveSceneOptions::default());
+    session.rest();
+    let value = |session: &Session, id: &str| session.row(id).value;
+    let eye = value(&session, "camera.eye");
+    session.set("light.0.intensity", Value::Number(3.0));
+    session.set("light.0.position", Value::Triple([-3.0, 4.0, 1.0]));
+    session.set("look.exposure", Value::Number(2.0));
+    session.set("look.shadows", Value::Flag(false));
+    session.set("camera.eye", Value::Triple([0.0, 2.0, 7.0]));
+    let state = |session: &Session| {
+        let ids = ["light.0.intensity", "light.0.position", "look.exposure", "look.shadows", "camera.eye"];
+        ids.map(|id| value(session, id))
+    };
+    let before = state(&session);
+    session.reset("");
+    let after = state(&session);
+    assert_eq!(after[2..], [Value::Number(0.0), Value::Flag(true), eye]);
+
+    // What was done since stays, and is its own step.
+    session.set("look.frame_rate", Value::Number(30.0));
+    session.ctrl("z");
+    assert_eq!((state(&session), value(&session, "look.frame_rate")), (before.clone(), Value::Number(30.0)));
+    session.ctrl("z");
+    assert_eq!(session.row("light.0.position").changed, false);
+    assert_eq!(state(&session)[2..], before[2..], "options that were not reset stay");
+    session.ctrl("z");
+    assert!(!session.row("light.0.intensity").changed);
+    (0..3).for_each(|_| drop(session.ctrl("y")));
+    assert_eq!(state(&session), after);
+
+    // A reset of options alone has its place among the edits.
+    session.set("look.exposure", Value::Number(1.0));
+    session.reset("look.exposure");
+    session.set("light.0.intensity", Value::Number(5.0));
+    session.ctrl("z");
+    assert_eq!(value(&session, "look.exposure"), Value::Number(0.0));
+    session.ctrl("z");
+    assert_eq!(value(&session, "look.exposure"), Value::Number(1.0));
+    session.ctrl("y");
+    assert_eq!(value(&session, "look.exposure"), Value::Number(0.0));
+    session.ctrl("y");
+    assert_eq!(value(&session, "light.0.intensity"), Value::Number(5.0));
+}
+
+#[test]
+fn the_picked_object_has_an_outline_that_is_not_kept() {
+    use raywarp_viewer::live::outline::COLOR;
+    let place = Place::new();
+    let mut session = place.open(LiveSceneOptions::default());
+    let plain = session.rest();
+    let marked = |session: &Session| session.shown().chunks_exact(4).filter(|pixel| pixel[..3] == COLOR).count();
+    assert_eq!(marked(&session), 0);
+    session.click(0.65, 0.55);
+    assert!(session.rest() == plain, "a file shows the scene alone");
+    let around = marked(&session);
+    assert!(around > 20, "{around}");
+    // Where it is not the picture is as it was.
+    let differs = session.shown().chunks_exact(4).zip(plain.chunks_exact(4)).filter(|(a, b)| a != b).count();
+    assert_eq!(differs, around);
+    // It goes with the object, also while that moves.
+    session.handle(Event::Wheel { notches: 1.0 });
+    session.frame();
+    assert!(marked(&session) > 0);
+    session.rest();
+    assert_ne!(marked(&session), 0);
+    session.handle(Event::Wheel { notches: -1.0 });
+    session.key("Escape", true);
+    session.rest();
+    assert_eq!(marked(&session), 0);
 }
 
 #[test]

@@ -110,6 +110,7 @@ fn every_view_is_one_key_away_and_costs_have_a_scale() {
         let legend = status.legend.expect("a legend");
         assert_eq!((status.view.as_str(), legend.title.is_empty()), (name, false));
         assert_eq!(legend.colors.is_empty(), !["depth", "tests", "load"].contains(&name));
+        assert_eq!(legend.title.ends_with("; 99 % are within the scale"), ["tests", "load"].contains(&name));
     }
     session.key("l", true);
     assert!(session.settle().pop().unwrap().rgba == picture.rgba);
@@ -180,6 +181,53 @@ fn a_scene_that_cannot_be_read_is_a_notice() {
     let notice = live_scene.notice().expect("a notice");
     assert!(notice.error && notice.text.contains("no-such-scene.obj"), "{notice:?}");
     assert!(!live_scene.is_ready());
+}
+
+/// A red square before a green sky: nothing of it is black.
+const BRIGHT: &str = r#"
+version = 1
+background = [0.1, 0.5, 0.2]
+[[materials]]
+name = "red"
+emission = [0.8, 0.1, 0.1]
+[[meshes]]
+vertices = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]
+faces = [[0, 1, 2], [0, 2, 3]]
+material = "red"
+[[cameras]]
+eye = [0, 0, 4]
+target = [0, 0, 0]
+"#;
+
+#[test]
+fn no_picture_has_holes_whatever_its_size_and_however_it_came_to_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bright.toml");
+    std::fs::write(&path, BRIGHT).unwrap();
+    let source = Source { path: Some(path), ..Source::default() };
+    let mut session = Session::open(source, LiveSceneOptions::default());
+    let settled = |session: &mut Session, what: &str| {
+        let pictures = session.settle();
+        for picture in &pictures {
+            let black = picture.rgba.chunks_exact(4).filter(|pixel| pixel[..3] == [0; 3]).count();
+            assert_eq!(black, 0, "{what}: a picture of {:?}", picture.size);
+        }
+        pictures
+    };
+    // More than is traced in the time of a frame.
+    session.handle(Event::Resize { width: 1500, height: 1100 });
+    assert!(settled(&mut session, "the first picture").len() > 1);
+    session.drag(0.6);
+    session.frame();
+    session.drop_it();
+    settled(&mut session, "a drag");
+    session.handle(Event::Resize { width: 1700, height: 1200 });
+    let first = settled(&mut session, "another size").remove(0);
+    assert_eq!(first.size, [1700, 1200]);
+    session.key(" ", true);
+    session.drag(0.7);
+    settled(&mut session, "at full quality");
+    session.drop_it();
 }
 
 #[test]

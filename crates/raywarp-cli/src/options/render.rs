@@ -33,7 +33,7 @@ pub struct RenderOptions {
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     #[arg(value_hint = ValueHint::FilePath)]
     pub output: Vec<PathBuf>,
-    /// Layers, with commas: depth, normal, albedo, uv, position, primitive, instance, material, tests; within an EXR, beside
+    /// Layers, with commas: depth, normal, albedo, uv, position, primitive, instance, material, tests; within an EXR, beside a
     /// PNG in false colours as NAME.LAYER.png
     #[arg(long, value_name = "LIST", value_delimiter = ',', help_heading = "Output")]
     #[arg(value_parser = values::words::<Layer>(Layer::ALL.map(Layer::name)), hide_possible_values = true)]
@@ -42,7 +42,7 @@ pub struct RenderOptions {
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     #[arg(value_hint = ValueHint::FilePath)]
     pub heatmap: Option<PathBuf>,
-    /// Tests that the brightest colour of the heat map stands for; none: those of the costliest pixel
+    /// Tests that the brightest colour of the heat map stands for; none: what 99 % of the pixels do not exceed
     #[arg(long, value_name = "N", requires = "heatmap", value_parser = values::whole::<u64>(1, u64::MAX))]
     #[arg(help_heading = "Output")]
     pub heatmap_max: Option<u64>,

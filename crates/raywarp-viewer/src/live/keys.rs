@@ -14,10 +14,12 @@ pub enum Action {
     Pointer,
     /// Fly that way while the key is held.
     Fly(Fly),
-    /// ViewSettings from there.
+    /// Look from there.
     Preset(Preset),
     /// Between a pinhole and parallel rays.
     Projection,
+    /// Whether a drag turns about the target or about the eye.
+    Look,
     /// Back to the first view.
     ResetCamera,
     /// See the picked object, or everything.
@@ -97,6 +99,8 @@ macro_rules! bindings {
 bindings! {
     "Camera" {
         "drag" => Action::Pointer, "orbit about the target";
+        "Ctrl+drag" => Action::Pointer, "look around: turn about the eye";
+        "J" => Action::Look, "a drag looks around, or orbits again";
         "Shift+drag, middle drag" => Action::Pointer, "pan";
         "wheel, right drag" => Action::Pointer, "closer, farther";
         "W" => Action::Fly(Fly::Forward), "fly forward; with Shift fast, with Alt slow";

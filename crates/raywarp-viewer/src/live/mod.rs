@@ -1,7 +1,7 @@
 //! The interactive core, without any window.
 //!
 //! A [`LiveScene`] holds the scene on its device and what people changed about it; a [`Viewer`] is one pair of eyes on it:
-//! camera, options and picture. A window has one viewer; a server has one for each browser, all before one stage. Both
+//! camera, options and picture. A window has one viewer; a server has one for each browser, all before one live scene. Both
 //! belong to one thread: what takes long (reading, building, compiling kernels) runs beside it, and
 //! [`LiveScene::poll`] takes what is ready.
 
@@ -17,6 +17,7 @@ mod live_scene;
 mod meter;
 pub mod object_drag;
 mod outcome;
+pub mod outline;
 mod pace;
 mod panel;
 pub mod panel_rows;

@@ -1,6 +1,6 @@
 //! Drags and clicks: the same press of a button is one or the other, by whether the pointer moves meanwhile.
 
-use super::{Button, Event};
+use super::{Button, Event, Modifiers};
 
 /// How far the pointer moves in a press that is still a click, in heights of the picture.
 const CLICK: f64 = 0.005;
@@ -12,8 +12,8 @@ const FARTHEST: f32 = 100.0;
 pub(super) struct Drag {
     /// The button that is held.
     pub button: Button,
-    /// Whether Shift was held when it went down.
-    pub shift: bool,
+    /// Keys that were held when it went down.
+    pub modifiers: Modifiers,
     /// To the right and down since the last step, in heights of the picture.
     pub by: [f64; 2],
 }
@@ -29,7 +29,7 @@ pub(super) struct Pointer {
 #[derive(Clone, Copy, Debug)]
 struct Press {
     button: Button,
-    shift: bool,
+    modifiers: Modifiers,
     start: [f64; 2],
     dragged: bool,
 }
@@ -40,8 +40,8 @@ impl Pointer {
         match event {
             Event::Pointer { x, y } => self.go(*x, *y, aspect),
             Event::Button { button, down: true, modifiers } => {
-                let (button, shift) = (*button, modifiers.shift);
-                self.press = Some(Press { button, shift, start: self.at, dragged: false });
+                let (button, modifiers) = (*button, *modifiers);
+                self.press = Some(Press { button, modifiers, start: self.at, dragged: false });
                 None
             }
             Event::Button { button, down: false, .. } => {
@@ -75,7 +75,7 @@ impl Pointer {
         let press = self.press.as_mut()?;
         press.dragged |= (0..2).any(|i| (self.at[i] - press.start[i]).abs() > CLICK);
         let by = [self.at[0] - before[0], self.at[1] - before[1]];
-        press.dragged.then_some(Drag { button: press.button, shift: press.shift, by })
+        press.dragged.then_some(Drag { button: press.button, modifiers: press.modifiers, by })
     }
 }
 
@@ -110,7 +110,6 @@ impl Clicks {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::live::Modifiers;
 
     fn press(down: bool) -> Event {
         Event::Button { button: Button::Left, down, modifiers: Modifiers::default() }

@@ -112,10 +112,17 @@ impl Client {
     /// The client shows a picture.
     pub fn acknowledge(&self, frame: u32) {
         let flow = &mut *lock(&self.flow);
-        if let Some(delivery) = flow.pace.acknowledge(frame) {
-            flow.quality.delivered(&delivery);
+        if let Some(shown) = flow.pace.acknowledge(frame) {
+            flow.quality.shown(shown.time);
+            shown.delivery.iter().for_each(|delivery| flow.quality.delivered(delivery));
         }
         self.arrived.notify_one();
+    }
+
+    /// All of a picture has arrived at the client's machine.
+    pub fn landed(&self, frame: u32) {
+        let flow = &mut *lock(&self.flow);
+        flow.pace.landed(frame).iter().for_each(|delivery| flow.quality.delivered(delivery));
     }
 
     /// The client has so many bytes of a picture.

@@ -19,17 +19,28 @@ struct Flight {
     sent: Option<Instant>,
     bytes: u64,
     received: u64,
+    /// Whether all of it is known to have arrived.
+    landed: bool,
 }
 
-/// A picture that has arrived.
+/// A picture that has arrived: what the link took, and nothing of what the page does with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Delivery {
-    /// From its first byte sent to the acknowledgement.
+    /// From its first byte sent to the answer to the ping behind its last one.
     pub time: Duration,
     /// Of it.
     pub bytes: u64,
     /// Whether it was sent in portions, so that its time means little.
     pub lossless: bool,
+}
+
+/// A picture that is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Acknowledged {
+    /// From its first byte sent to the acknowledgement.
+    pub time: Duration,
+    /// Its delivery, where no pong has told of it before.
+    pub delivery: Option<Delivery>,
 }
 
 impl Pace {
@@ -43,7 +54,7 @@ impl Pace {
     }
 
     pub fn depart(&mut self, frame: u32, lossless: bool) {
-        self.flights.push_back(Flight { frame, lossless, sent: None, bytes: 0, received: 0 });
+        self.flights.push_back(Flight { frame, lossless, sent: None, bytes: 0, received: 0, landed: false });
     }
 
     pub fn sent(&mut self, frame: u32, bytes: usize) {
@@ -67,13 +78,20 @@ impl Pace {
         self.flights.retain(|flight| flight.frame != frame);
     }
 
-    /// This picture and all before it are shown. None where it is not on its way, or has not even been sent: clients
-    /// can say anything.
-    pub fn acknowledge(&mut self, frame: u32) -> Option<Delivery> {
-        let Flight { sent, bytes, lossless, .. } = *self.find(frame)?;
-        let time = sent?.elapsed();
+    /// All of this picture has arrived. None where that is known, or it is not on its way: clients can say anything.
+    pub fn landed(&mut self, frame: u32) -> Option<Delivery> {
+        let flight = self.find(frame).filter(|flight| !flight.landed)?;
+        let time = flight.sent?.elapsed();
+        flight.landed = true;
+        Some(Delivery { time, bytes: flight.bytes, lossless: flight.lossless })
+    }
+
+    /// This picture and all before it are shown. None where it is not on its way, or has not even been sent.
+    pub fn acknowledge(&mut self, frame: u32) -> Option<Acknowledged> {
+        let time = self.find(frame)?.sent?.elapsed();
+        let delivery = self.landed(frame);
         self.flights.retain(|flight| flight.frame > frame);
-        Some(Delivery { time, bytes, lossless })
+        Some(Acknowledged { time, delivery })
     }
 
     fn find(&mut self, frame: u32) -> Option<&mut Flight> {
@@ -95,7 +113,7 @@ mod tests {
         assert_eq!(pace.acknowledge(1), None, "not sent yet");
         assert_eq!(pace.acknowledge(7), None, "never begun");
         pace.sent(1, 100);
-        assert_eq!(pace.acknowledge(1).map(|delivery| delivery.bytes), Some(100));
+        assert_eq!(pace.acknowledge(1).and_then(|shown| shown.delivery).map(|delivery| delivery.bytes), Some(100));
         assert!(pace.is_ready(false) && !pace.is_ready(true) && !pace.is_idle());
         pace.abandon(2);
         assert!(pace.is_idle());
@@ -108,6 +126,20 @@ mod tests {
         pace.depart(2, false);
         pace.sent(2, 1);
         assert!(pace.acknowledge(2).is_some() && pace.is_idle());
+    }
+
+    #[test]
+    fn a_delivery_ends_with_the_pong_and_is_told_once() {
+        let mut pace = Pace::default();
+        pace.depart(3, false);
+        assert_eq!(pace.landed(3), None, "not sent yet");
+        pace.sent(3, 50);
+        assert_eq!(pace.landed(3).map(|delivery| delivery.bytes), Some(50));
+        assert_eq!(pace.landed(3), None);
+        std::thread::sleep(Duration::from_millis(20));
+        let shown = pace.acknowledge(3).unwrap();
+        assert!(shown.delivery.is_none() && shown.time >= Duration::from_millis(20), "{shown:?}");
+        assert_eq!(pace.landed(3), None);
     }
 
     #[test]

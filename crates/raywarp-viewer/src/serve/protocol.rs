@@ -40,7 +40,8 @@
 //! | 20 | u32 | latest mark that it includes, 0 at first |
 //!
 //! The stripes of a picture come in order and whole, but for a lossless one (PNG): the server may break that off for a
-//! newer picture. At most two pictures are under way: the third is not made before the first is acknowledged.
+//! newer picture. At most two pictures are under way: the third is not made before the first is acknowledged. A ping of
+//! WebSocket follows each that is not lossless: its pong tells what the link took, as clients answer it before they decode.
 //!
 //! Connections are closed with a code and a sentence: 1001 the server was stopped, 1009 a message was too long, 1011
 //! the scene or the device failed, 4000 a message could not be read, 4001 the token is wrong, 4002 all places are

@@ -1,4 +1,5 @@
-//! From measured lag to the quality of pictures.
+//! From what the link takes to the quality of pictures. What tracing, encoding and decoding take does not count: fewer
+//! bytes would not help them.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -18,7 +19,7 @@ const MOST_STEPS: f64 = 4.0;
 /// Round trips that the bare way is the shortest of.
 const PINGS: usize = 32;
 
-/// Follows a client's lag. Quality of JPEG gives first, then the number of pixels; they recover in the other order, and
+/// Follows a client's link. Quality of JPEG gives first, then the number of pixels; they recover in the other order, and
 /// more slowly.
 #[derive(Clone, Debug)]
 pub struct Quality {
@@ -57,12 +58,17 @@ impl Quality {
         self.pings.push_back(round_trip.as_secs_f64());
     }
 
+    /// A picture is shown, so long after its first byte was sent.
+    pub fn shown(&mut self, time: Duration) {
+        let time = time.as_secs_f64();
+        self.lag = if self.lag == 0.0 { time } else { self.lag + 0.2 * (time - self.lag) };
+    }
+
     pub fn delivered(&mut self, delivery: &Delivery) {
         if delivery.lossless {
             return;
         }
         let time = delivery.time.as_secs_f64();
-        self.lag = if self.lag == 0.0 { time } else { self.lag + 0.2 * (time - self.lag) };
         let rate = delivery.bytes as f64 / (time - self.way()).max(1e-3);
         self.rate += 0.2 * (rate - self.rate);
         let over = time - self.way();

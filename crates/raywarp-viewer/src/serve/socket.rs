@@ -147,8 +147,8 @@ async fn listen(stream: &mut Stream, client: &Client, registry: &ClientRegistry,
         life.sign();
         let done = match message {
             Ok(Message::Text(text)) => hear(&text, client, life).await,
-            Ok(Message::Pong(time)) => {
-                pong(&time, client, life);
+            Ok(Message::Pong(content)) => {
+                pong(&content, client, life);
                 ControlFlow::Continue(())
             }
             Ok(Message::Ping(_)) => ControlFlow::Continue(()),
@@ -192,10 +192,14 @@ async fn put(client: &Client, event: crate::live::Event, life: &Life) {
     }
 }
 
-/// Pings carry the time at which they were sent.
-fn pong(time: &Bytes, client: &Client, life: &Life) {
-    let Ok(sent) = <[u8; 8]>::try_from(time.as_ref()).map(u64::from_le_bytes) else { return };
-    client.pinged(Duration::from_micros(life.now().saturating_sub(sent)));
+/// Pings carry the time at which they were sent, in eight bytes, or in four the number of the picture before them. Browsers
+/// answer them beside the page, whatever that is at.
+fn pong(content: &Bytes, client: &Client, life: &Life) {
+    if let Ok(sent) = <[u8; 8]>::try_from(content.as_ref()).map(u64::from_le_bytes) {
+        client.pinged(Duration::from_micros(life.now().saturating_sub(sent)));
+    } else if let Ok(frame) = <[u8; 4]>::try_from(content.as_ref()).map(u32::from_le_bytes) {
+        client.landed(frame);
+    }
 }
 
 async fn speak(sink: &mut Sink, client: &Client, life: &Life) -> Option<Ending> {
@@ -236,6 +240,7 @@ async fn send_whole(sink: &mut Sink, client: &Client, frame: Frame) -> Result<()
     for stripe in frame.stripes {
         sink.feed(Message::Binary(stripe)).await?;
     }
+    sink.feed(Message::Ping(Bytes::copy_from_slice(&frame.number.to_le_bytes()))).await?;
     sink.flush().await
 }
 

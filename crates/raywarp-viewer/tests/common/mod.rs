@@ -89,12 +89,17 @@ impl House {
     }
 
     pub fn connect_by(&self, request: Request<()>) -> Result<Client, Box<Error>> {
-        let stream = TcpStream::connect(self.at).unwrap();
+        Self::connect_through(self.at, request)
+    }
+
+    /// A connection by way of another address.
+    pub fn connect_through(at: SocketAddr, request: Request<()>) -> Result<Client, Box<Error>> {
+        let stream = TcpStream::connect(at).unwrap();
         stream.set_read_timeout(Some(Duration::from_millis(20))).unwrap();
         let mut handshake = tungstenite::client::client(request, stream);
         loop {
             match handshake {
-                Ok((socket, _)) => return Ok(Client { socket }),
+                Ok((socket, _)) => return Ok(Client { socket, status: Value::Null }),
                 Err(tungstenite::HandshakeError::Interrupted(more)) => handshake = more.handshake(),
                 Err(tungstenite::HandshakeError::Failure(error)) => return Err(Box::new(error)),
             }
@@ -152,6 +157,8 @@ pub fn wheel() -> Value {
 
 pub struct Client {
     pub socket: WebSocket<TcpStream>,
+    /// The last one that was told.
+    pub status: Value,
 }
 
 /// What comes from the server.
@@ -202,7 +209,13 @@ impl Client {
         let start = Instant::now();
         while start.elapsed() < limit {
             match self.socket.read() {
-                Ok(Message::Text(text)) => return Some(News::Text(serde_json::from_str(&text).unwrap())),
+                Ok(Message::Text(text)) => {
+                    let message: Value = serde_json::from_str(&text).unwrap();
+                    if message["type"] == "status" {
+                        self.status = message.clone();
+                    }
+                    return Some(News::Text(message));
+                }
                 Ok(Message::Binary(bytes)) if bytes[0] == 3 => return Some(News::File(bytes[1..].to_vec())),
                 Ok(Message::Binary(bytes)) => return Some(News::Stripe(stripe(&bytes))),
                 Ok(Message::Close(frame)) => {

@@ -1,9 +1,9 @@
 //! What each pixel cost, as colours.
 //!
 //! The cost of a pixel is its triangle tests plus its node visits, for all of its rays. The scale is linear from 0 to
-//! a maximum, by the colours of [`raywarp_core::false_color::heat`], whose lightness grows evenly, so that twice as
-//! bright is about twice the cost, also in black and white and to the colour-blind. What is above the maximum is shown
-//! like the maximum.
+//! a top, by the colours of [`raywarp_core::false_color::heat`], whose lightness grows evenly, so that twice as
+//! bright is about twice the cost, also in black and white and to the colour-blind. What is above the top is shown
+//! like the top, which is a percentile: one pixel that costs a hundred times as much as the others would leave them black.
 
 use std::fmt;
 
@@ -12,11 +12,16 @@ use raywarp_core::traversal::Tests;
 
 use super::{digits, Rgb8};
 
+/// Percent of the pixels that a scale reaches to.
+pub const PERCENT: usize = 99;
+
 /// What the colours of a heat map mean: tests a pixel, nodes and triangles together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     /// What the brightest colour stands for.
     pub top: u64,
+    /// Whether that is what [`PERCENT`] percent of the pixels do not exceed, and was not given.
+    pub is_percentile: bool,
     /// The costliest pixel.
     pub maximum: u64,
     /// Mean over the pixels.
@@ -27,16 +32,16 @@ pub struct Scale {
 
 impl fmt::Display for Scale {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "tests a pixel (nodes + triangles): black is 0, the brightest is {}; mean {:.1}, median {}, maximum {}",
-            self.top, self.mean, self.median, self.maximum
-        )
+        write!(f, "tests a pixel (nodes + triangles): black is 0, the brightest is {}", self.top)?;
+        if self.is_percentile {
+            write!(f, ", which {PERCENT} % of the pixels do not exceed")?;
+        }
+        write!(f, "; mean {:.1}, median {}, maximum {}", self.mean, self.median, self.maximum)
     }
 }
 
-/// Draws the cost of each pixel over a colour bar with its numbers, which adds rows at the bottom. Without a maximum
-/// the costliest pixel is the top of the scale.
+/// Draws the cost of each pixel over a colour bar with its numbers, which adds rows at the bottom. Without a top, what
+/// [`PERCENT`] percent of the pixels do not exceed is that of the scale.
 pub fn draw(width: u32, height: u32, tests: &[Tests], top: Option<u64>) -> (Rgb8, Scale) {
     let costs: Vec<u64> = tests.iter().map(cost).collect();
     let scale = scale(&costs, top);
@@ -54,11 +59,17 @@ pub fn colours(width: u32, height: u32, costs: &[u32], top: u32) -> Rgb8 {
 fn scale(costs: &[u64], top: Option<u64>) -> Scale {
     let maximum = costs.iter().copied().max().unwrap_or(0);
     let mut sorted = costs.to_vec();
-    let middle = costs.len().saturating_sub(1) / 2;
-    let median = if sorted.is_empty() { 0 } else { *sorted.select_nth_unstable(middle).1 };
+    let [median, most] = [50, PERCENT].map(|percent| percentile(&mut sorted, percent).unwrap_or(0));
     let sum: f64 = costs.iter().map(|&cost| cost as f64).sum();
     let mean = sum / costs.len().max(1) as f64;
-    Scale { top: top.unwrap_or(maximum).max(1), maximum, mean, median }
+    Scale { top: top.unwrap_or(most).max(1), is_percentile: top.is_none(), maximum, mean, median }
+}
+
+/// The smallest value that so many percent of the values, up to 100, do not exceed; nothing where there are none. Changes
+/// their order.
+pub(crate) fn percentile<T: Copy + Ord>(values: &mut [T], percent: usize) -> Option<T> {
+    let rank = (values.len() * percent).div_ceil(100).max(1);
+    (rank <= values.len()).then(|| *values.select_nth_unstable(rank - 1).1)
 }
 
 /// A bar of all colours with 0, the middle and the top of the scale under it.
@@ -100,9 +111,30 @@ mod tests {
     #[test]
     fn the_scale_is_that_of_the_costs() {
         let (picture, scale) = draw(2, 2, &tests(&[0, 10, 20, 90]), None);
-        assert_eq!(scale, Scale { top: 90, maximum: 90, mean: 30.0, median: 10 });
+        assert_eq!(scale, Scale { top: 90, is_percentile: true, maximum: 90, mean: 30.0, median: 10 });
         assert_eq!([picture.pixels[0], picture.pixels[3]], [HEAT[0], HEAT[9]]);
         assert_eq!(picture.pixels.len(), 2 * picture.height as usize);
+    }
+
+    #[test]
+    fn one_costly_pixel_does_not_darken_the_others() {
+        let mut costs = vec![50; 199];
+        costs.push(5000);
+        let (picture, scale) = draw(20, 10, &tests(&costs), None);
+        assert_eq!((scale.top, scale.maximum), (50, 5000));
+        assert!(picture.pixels[..200].iter().all(|&pixel| pixel == HEAT[9]));
+        assert!(scale.to_string().contains("the brightest is 50, which 99 % of the pixels do not exceed"), "{scale}");
+    }
+
+    #[test]
+    fn percentiles_are_values_that_are_there() {
+        let mut values: Vec<u32> = (1..=1000).rev().collect();
+        let of = |values: &mut [u32], percent| percentile(values, percent);
+        assert_eq!(
+            [0, 50, 99, 100].map(|percent| of(&mut values, percent)),
+            [Some(1), Some(500), Some(990), Some(1000)]
+        );
+        assert_eq!((of(&mut [7], 99), of(&mut [], 99)), (Some(7), None));
     }
 
     #[test]

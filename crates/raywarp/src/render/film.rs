@@ -1,6 +1,7 @@
 //! A picture that grows on its device, for those who look on: sample by sample, in launches as short as they are asked
 //! to be, developed where it is.
 
+use raywarp_core::false_color::cost;
 use raywarp_core::film::Pixel;
 use raywarp_core::kernels::{FirstHit, Frame};
 use raywarp_core::screen::{AovRanges, DrawAov, Exposed, Shown, ToneMapFilm};
@@ -11,11 +12,15 @@ use raywarp_device::kernels::Views;
 
 use super::{camera, passes, RenderError, RenderOptions, Tracer};
 use crate::device::{Buffer, Device};
+use crate::image::heatmap::{percentile, PERCENT};
 use crate::image::Development;
 use crate::scene::Camera;
 
 /// Rows of a launch are a multiple of this, which is a multiple of every tile and block.
 const ROWS: u32 = 16;
+
+/// Most costs that a percentile is found of: those of every other pixel, or so, where a picture has more.
+const MOST_COSTS: usize = 1 << 18;
 
 /// Pixel samples a second of the first launch, before anything is known.
 const FIRST_ON_CPU: f64 = 1e6;
@@ -226,7 +231,8 @@ impl Tracer {
         Ok(exposure)
     }
 
-    /// Paints a quantity on the film's screen; its samples stay. Without a range, that of the picture.
+    /// Paints a quantity on the film's screen; its samples stay. Without a range, that of the picture: of distances, and of
+    /// costs from 0 to what [`PERCENT`] percent of the pixels do not exceed.
     ///
     /// # Errors
     /// As for [`render`](Self::render).
@@ -266,10 +272,12 @@ impl Tracer {
         };
         let range = match range {
             Some(range) => range,
-            None if matches!(quantity, Quantity::Depth | Quantity::Tests | Quantity::Ticks) => {
-                self.range(&shown, film.size, &mut seconds)?
-            }
-            None => [0.0; 2],
+            None => match quantity {
+                Quantity::Tests => costs_range(tests.items()?.iter().map(|tests| cost(tests) as f32)),
+                Quantity::Ticks => costs_range(ticks.items()?.iter().map(|&ticks| ticks as f32)),
+                Quantity::Depth => self.depths(&shown, film.size, &mut seconds)?,
+                _ => [0.0; 2],
+            },
         };
         let draw_aov = DrawAov { shown, size: film.size, range, screen: film.screen.view_mut() };
         // SAFETY: the buffers are borrowed while this waits, and as long as the film has pixels.
@@ -277,19 +285,23 @@ impl Tracer {
         Ok(Painted { range, kernel_seconds: seconds })
     }
 
-    /// The smallest and the largest value; for costs the scale starts at 0.
-    fn range(&self, shown: &Shown, size: [u32; 2], seconds: &mut f64) -> Result<[f32; 2], RenderError> {
+    /// The smallest and the largest distance.
+    fn depths(&self, shown: &Shown, size: [u32; 2], seconds: &mut f64) -> Result<[f32; 2], RenderError> {
         let mut rows = self.device.zeroed::<[f32; 2]>(size[1] as usize)?;
         let ranges = AovRanges { shown: *shown, size, ranges: rows.view_mut() };
-        // SAFETY: as in `paint`.
+        // SAFETY: as in `draw_aov`.
         *seconds += unsafe { self.device.launch(&ranges, [size[1], 1]) }?;
         let all = rows.download()?.into_iter().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-        Ok(match all {
-            Some([low, high]) if low <= high && shown.quantity == Quantity::Depth as u32 => [low, high],
-            Some([_, high]) if high > 0.0 => [0.0, high],
-            _ => [0.0, 1.0],
-        })
+        Ok(all.filter(|[low, high]| low <= high).unwrap_or([0.0, 1.0]))
     }
+}
+
+/// From 0 to what [`PERCENT`] percent of the pixels do not exceed, or of as many of them as are looked at.
+fn costs_range(costs: impl ExactSizeIterator<Item = f32>) -> [f32; 2] {
+    let step = costs.len().div_ceil(MOST_COSTS).max(1) | 1;
+    // Costs are not negative: their bits are in their order.
+    let mut bits: Vec<u32> = costs.step_by(step).map(f32::to_bits).collect();
+    [0.0, percentile(&mut bits, PERCENT).map_or(1.0, f32::from_bits).max(1.0)]
 }
 
 const _: () = {

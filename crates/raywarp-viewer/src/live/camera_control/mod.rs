@@ -51,6 +51,37 @@ pub struct CameraControl {
     aspect: f64,
     pointer: Pointer,
     flight: Flight,
+    turns: Turns,
+}
+
+/// What a drag with the left button turns the camera about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Turns {
+    /// The target.
+    #[default]
+    Orbit,
+    /// The eye, as one who stands there looks around. Parallel rays have no eye: they orbit.
+    Look,
+}
+
+impl Turns {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Orbit, Self::Look];
+
+    /// For people.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Orbit => "orbit",
+            Self::Look => "look around",
+        }
+    }
+
+    fn other(self) -> Self {
+        match self {
+            Self::Orbit => Self::Look,
+            Self::Look => Self::Orbit,
+        }
+    }
 }
 
 /// Zoom of one notch of the wheel, and of a drag over the height of the picture.
@@ -82,6 +113,7 @@ impl CameraControl {
             aspect: 1.0,
             pointer: Pointer::default(),
             flight: Flight::default(),
+            turns: Turns::default(),
         }
     }
 
@@ -90,8 +122,8 @@ impl CameraControl {
         let camera = self.camera.clone();
         // Drags and flights go on.
         let (pointer, flight) = (std::mem::take(&mut self.pointer), std::mem::take(&mut self.flight));
-        let (aimed, aspect) = (self.aimed, self.aspect);
-        *self = Self { aimed, aspect, pointer, flight, ..Self::new(home, cameras, bounds, up) };
+        let (aimed, aspect, turns) = (self.aimed, self.aspect, self.turns);
+        *self = Self { aimed, aspect, pointer, flight, turns, ..Self::new(home, cameras, bounds, up) };
         // It could be rendered from before, so it still can.
         let _ = self.set(camera);
     }
@@ -153,13 +185,15 @@ impl CameraControl {
     }
 
     fn drag(&mut self, event: &Event) -> bool {
-        let Some(Drag { button, shift, by: [right, down] }) = self.pointer.handle(event, self.aspect) else {
+        let Some(Drag { button, modifiers, by: [right, down] }) = self.pointer.handle(event, self.aspect) else {
             return false;
         };
-        self.change(|pose, world| match (button, shift) {
-            (Button::Left, false) => pose.orbit(right, down),
-            (Button::Middle, _) | (Button::Left, true) => pose.pan(world, right, down),
-            (Button::Right, _) => pose.zoom(HEIGHT.powf(down)),
+        let turns = if modifiers.ctrl { self.turns.other() } else { self.turns };
+        self.change(|pose, world| match (button, modifiers.shift, turns) {
+            (Button::Left, false, Turns::Orbit) => pose.orbit(right, down),
+            (Button::Left, false, Turns::Look) => pose.look_around(world, right, down),
+            (Button::Middle, ..) | (Button::Left, true, _) => pose.pan(world, right, down),
+            (Button::Right, ..) => pose.zoom(HEIGHT.powf(down)),
         });
         true
     }
@@ -189,6 +223,7 @@ impl CameraControl {
             Action::Fly(way) => self.flight.hold(way),
             Action::Preset(preset) => _ = self.change(|pose, _| preset.turn(pose)),
             Action::Projection => self.switch_projection(),
+            Action::Look => self.turns = self.turns.other(),
             Action::ResetCamera => _ = self.set(self.home.clone()),
             Action::Frame => self.frame_extent(self.extent),
             Action::NextCamera => self.step_camera(1),
@@ -229,6 +264,16 @@ impl CameraControl {
     pub fn switch_projection(&mut self) {
         let reach = self.extent.reach(self.pose.target);
         self.change(|pose, _| pose.switch_projection(reach));
+    }
+
+    /// What a drag with the left button turns about; with Ctrl held it is the other.
+    pub fn turns(&self) -> Turns {
+        self.turns
+    }
+
+    /// Chooses that.
+    pub fn set_turns(&mut self, turns: Turns) {
+        self.turns = turns;
     }
 
     /// Looks through a camera as it is.

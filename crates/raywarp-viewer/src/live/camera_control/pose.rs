@@ -133,10 +133,24 @@ impl Pose {
     /// Turns about the target so that the scene follows a pointer that goes this far right and down, in heights of the
     /// picture: one is half a turn.
     pub fn orbit(&mut self, right: f64, down: f64) {
+        self.turn(right * PI, down * PI);
+    }
+
+    /// Turns about the eye so that what is in the middle of a level picture follows a pointer that goes this far right and
+    /// down, in heights of the picture. Parallel rays have no eye: they orbit.
+    pub fn look_around(&mut self, world: &World, right: f64, down: f64) {
+        let Projection::Perspective { fov_y } = self.projection else { return self.orbit(right, down) };
+        let (eye, height) = (self.eye(world), 2.0 * (0.5 * f64::from(fov_y)).tan());
+        self.turn(-(right * height).atan(), -(down * height).atan());
+        self.target = eye + self.axes(world)[2] * self.distance;
+    }
+
+    /// Turns by angles to the right and down of the picture.
+    fn turn(&mut self, right: f64, down: f64) {
         let (sin, cos) = self.roll.sin_cos();
         let (right, down) = (right * cos - down * sin, down * cos + right * sin);
-        self.yaw = (self.yaw - right * PI).rem_euclid(2.0 * PI);
-        self.pitch = (self.pitch + down * PI).clamp(-FRAC_PI_2, FRAC_PI_2);
+        self.yaw = (self.yaw - right).rem_euclid(2.0 * PI);
+        self.pitch = (self.pitch + down).clamp(-FRAC_PI_2, FRAC_PI_2);
     }
 
     /// Shifts so that what is as far as the target follows a pointer that goes this far right and down, in heights of

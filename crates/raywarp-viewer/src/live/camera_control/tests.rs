@@ -415,6 +415,47 @@ proptest! {
     }
 }
 
+/// A drag in one step with the left button and Ctrl held or not.
+fn turn(control: &mut CameraControl, ctrl: bool, to: [f32; 2]) {
+    let modifiers = Modifiers { ctrl, ..Modifiers::default() };
+    control.handle(&Event::Pointer { x: 0.5, y: 0.5 }, 1.5);
+    control.handle(&Event::Button { button: Button::Left, down: true, modifiers }, 1.5);
+    control.handle(&Event::Pointer { x: to[0], y: to[1] }, 1.5);
+    control.handle(&Event::Button { button: Button::Left, down: false, modifiers }, 1.5);
+}
+
+#[test]
+fn a_look_around_leaves_the_eye_where_it_is() {
+    let mut looks = control(2.0, 5.0);
+    let (eye, target) = (looks.camera().eye, vec(looks.camera().target));
+    turn(&mut looks, true, [0.75, 0.5]);
+    let apart = (vec(looks.camera().eye) - vec(eye)).length();
+    assert!(apart < 1e-5, "{apart}");
+    // What was in the middle is about where the pointer went.
+    let [x, y] = project(looks.camera(), target, 1.5);
+    assert!((x - 0.75).abs() < 0.03 && (y - 0.5).abs() < 0.03, "{x} {y}");
+    turn(&mut looks, true, [0.5, 0.25]);
+    assert!(project(looks.camera(), target, 1.5)[1] < 0.3);
+
+    // The key makes plain drags do it, and Ctrl the other then.
+    let mut keyed = control(2.0, 5.0);
+    assert!(press(&mut keyed, "j"));
+    turn(&mut keyed, false, [0.75, 0.5]);
+    assert!((vec(keyed.camera().eye) - vec(eye)).length() < 1e-5);
+    turn(&mut keyed, true, [0.75, 0.5]);
+    assert!((vec(keyed.camera().eye) - vec(eye)).length() > 0.1, "it orbits");
+}
+
+#[test]
+fn parallel_rays_have_no_eye_and_orbit() {
+    let [mut looks, mut orbits] = [control(1.0, 0.0), control(1.0, 0.0)];
+    for (control, ctrl) in [(&mut looks, true), (&mut orbits, false)] {
+        press(control, "5");
+        turn(control, ctrl, [0.7, 0.6]);
+    }
+    assert_eq!(looks.camera(), orbits.camera());
+}
+
 #[test]
 fn a_camera_without_a_target_turns_about_what_it_sees() {
     let bounds = [[-0.1; 3], [0.1; 3]];

@@ -27,12 +27,17 @@ pub(super) type Changes = BTreeMap<Field, Value>;
 /// What a step made of some fields: the values before and after, none where they are as the files say.
 type Step = Vec<(Field, [Option<Value>; 2])>;
 
+/// A step and its number, which no other step ever has.
+type Numbered = (u64, Step);
+
 /// The values that differ, and how they came to.
 #[derive(Clone, Debug, Default)]
 pub(super) struct History {
     changes: Changes,
-    done: VecDeque<Step>,
-    undone: Vec<Step>,
+    done: VecDeque<Numbered>,
+    undone: Vec<Numbered>,
+    /// Steps so far, those that were forgotten included.
+    steps: u64,
     last: Option<Instant>,
 }
 
@@ -47,6 +52,16 @@ impl History {
 
     pub fn can_redo(&self) -> bool {
         !self.undone.is_empty()
+    }
+
+    /// Number of the step that would be taken back, 0 for none.
+    pub fn last_step(&self) -> u64 {
+        self.done.back().map_or(0, |step| step.0)
+    }
+
+    /// Number of the step that would be done again.
+    pub fn next_step(&self) -> Option<u64> {
+        self.undone.last().map(|step| step.0)
     }
 
     /// Gives fields their values, none for those of the files; returns the fields that are others now.
@@ -67,9 +82,12 @@ impl History {
             Join::Never => false,
         };
         self.last = if let Join::Soon(now) = join { Some(now) } else { None };
-        match (self.done.back_mut().map(Vec::as_mut_slice), step.as_slice()) {
+        match (self.done.back_mut().map(|step| step.1.as_mut_slice()), step.as_slice()) {
             (Some([(field, [_, after])]), [(same, [_, value])]) if joins && field == same => *after = value.clone(),
-            _ => self.done.push_back(step),
+            _ => {
+                self.steps += 1;
+                self.done.push_back((self.steps, step));
+            }
         }
         if self.done.len() > MOST_STEPS {
             self.done.pop_front();
@@ -80,7 +98,7 @@ impl History {
     /// Takes the last step back; returns the fields that are others now.
     pub fn undo(&mut self) -> Vec<Field> {
         let Some(step) = self.done.pop_back() else { return Vec::new() };
-        let touched = self.apply(&step, 0);
+        let touched = self.apply(&step.1, 0);
         self.undone.push(step);
         self.last = None;
         touched
@@ -89,7 +107,7 @@ impl History {
     /// Does the last step that was taken back again.
     pub fn redo(&mut self) -> Vec<Field> {
         let Some(step) = self.undone.pop() else { return Vec::new() };
-        let touched = self.apply(&step, 1);
+        let touched = self.apply(&step.1, 1);
         self.done.push_back(step);
         self.last = None;
         touched
@@ -99,7 +117,7 @@ impl History {
     pub fn retain(&mut self, keep: impl Fn(&Field) -> bool) {
         let mut changes = std::mem::take(&mut self.changes);
         changes.retain(|field, _| keep(field));
-        *self = Self { changes, ..Self::default() };
+        *self = Self { changes, steps: self.steps, ..Self::default() };
     }
 
     fn apply(&mut self, step: &Step, side: usize) -> Vec<Field> {

@@ -145,6 +145,16 @@ impl Edits {
         self.history.can_redo()
     }
 
+    /// Number of the step that [`undo`](Self::undo) would take back, 0 for none: no other step ever has it.
+    pub(super) fn last_step(&self) -> u64 {
+        self.history.last_step()
+    }
+
+    /// Number of the step that [`redo`](Self::redo) would do again.
+    pub(super) fn next_step(&self) -> Option<u64> {
+        self.history.next_step()
+    }
+
     /// Gives the value of a row. Fast changes of one row are one step.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use raywarp::scene::{Camera, Projection};
 
 use super::{checked, is_meant, row, Effect};
-use crate::live::camera_control::CameraControl;
+use crate::live::camera_control::{CameraControl, Turns};
 use crate::live::{Control, Row, Section, Value};
 
 const SECTION: &str = "camera";
@@ -26,6 +26,9 @@ fn rows(control: &CameraControl) -> Vec<Row> {
         let chosen = control.chosen().and_then(|index| names.get(index).cloned()).unwrap_or_default();
         rows.push(row("camera.choice", "Of the scene", [Value::Text(chosen)], Control::Choice { options: names }));
     }
+    let turns = [control.turns(), Turns::default()].map(|turns| Value::Text(turns.name().to_owned()));
+    let options = Turns::ALL.map(|turns| turns.name().to_owned()).to_vec();
+    rows.push(row("camera.turns", "A drag", turns, Control::Choice { options }));
     rows.push(row("camera.projection", "Projection", cameras.map(|c| Value::Text(kind(c).to_owned())), named));
     rows.push(lens(cameras));
     rows.push(row("camera.eye", "Eye", cameras.map(|c| Value::Triple(c.eye)), Control::Vector { step }));
@@ -60,6 +63,11 @@ pub(super) fn set(control: &mut CameraControl, id: &str, value: &Value) -> Resul
             control.choose(index.ok_or_else(|| format!("there is no camera '{name}'"))?)?;
             return Ok(Effect::Picture);
         }
+        ("camera.turns", Value::Text(name)) => {
+            let turns = Turns::ALL.into_iter().find(|turns| turns.name() == name);
+            control.set_turns(turns.ok_or_else(|| format!("a drag cannot '{name}'"))?);
+            return Ok(Effect::Overlay);
+        }
         ("camera.projection", Value::Text(name)) => {
             if name != kind(&camera) {
                 control.switch_projection();
@@ -78,6 +86,10 @@ pub(super) fn set(control: &mut CameraControl, id: &str, value: &Value) -> Resul
 }
 
 pub(super) fn reset(control: &mut CameraControl, id: &str) -> Option<Effect> {
+    let turned = is_meant(id, SECTION, "camera.turns") && control.turns() != Turns::default();
+    if turned {
+        control.set_turns(Turns::default());
+    }
     let mut camera = control.camera().clone();
     let home = control.home();
     if is_meant(id, SECTION, SECTION) {
@@ -91,7 +103,8 @@ pub(super) fn reset(control: &mut CameraControl, id: &str) -> Option<Effect> {
     }
     // One that stands on its own target is not taken: then nothing changes.
     let changed = camera != *control.camera();
-    (changed && control.set(camera).is_ok()).then_some(Effect::Picture)
+    let moved = (changed && control.set(camera).is_ok()).then_some(Effect::Picture);
+    moved.or(turned.then_some(Effect::Overlay))
 }
 
 fn kind(camera: &Camera) -> &'static str {

@@ -1,7 +1,7 @@
 //! What events do: to the camera, the options, the scene.
 
-use super::{Lacks, Viewer, MOST};
-use crate::live::edits::Touched;
+use super::{Lacks, Viewer};
+use crate::live::edits::{Edits, Touched};
 use crate::live::export::{Content, Export, Ticket};
 use crate::live::keys::{self, Action};
 use crate::live::live_scene::Ready;
@@ -29,18 +29,17 @@ impl Viewer {
             }
         }
         match event {
-            Event::Resize { width, height } => {
-                self.size = [*width, *height].map(|side| side.clamp(1, MOST));
-                self.ask(Lacks::Everything);
-            }
+            Event::Resize { width, height } => self.resize([*width, *height]),
             Event::Set { id, value } => match self.with_context(live_scene, |context| context.set(id, value)) {
-                Ok(effect) => return self.see_to(live_scene, effect),
+                Ok(effect) => {
+                    if !matches!(effect, Effect::Act(_)) {
+                        self.resets.forget_undone();
+                    }
+                    return self.see_to(live_scene, effect);
+                }
                 Err(why) => self.refuse(why),
             },
-            Event::Reset { id } => {
-                let effects = self.with_context(live_scene, |context| context.reset(id));
-                return effects.into_iter().flat_map(|effect| self.see_to(live_scene, effect)).collect();
-            }
+            Event::Reset { id } => return self.reset(live_scene, id),
             _ => return self.point_or_press(live_scene, event),
         }
         Vec::new()
@@ -57,7 +56,10 @@ impl Viewer {
             return Vec::new();
         }
         match click {
-            Some(Button::Left) => self.pick = self.under_pointer(live_scene),
+            Some(Button::Left) => {
+                let pick = self.under_pointer(live_scene);
+                self.hold(pick);
+            }
             Some(Button::Middle) => self.focus(live_scene),
             Some(Button::Right) | None => {}
         }
@@ -95,6 +97,7 @@ impl Viewer {
         let dragged = self.object_drag.handle(event, aspect, self.pick.as_ref().map(|pick| pick.position), control);
         if let (Some(by), Some(pick), Some(edits)) = (dragged.by, &self.pick, live_scene.edits_mut()) {
             let touched = edits.shift_instance(pick.instance, by, !dragged.begins);
+            self.resets.forget_undone();
             live_scene.bring(&touched);
             self.follow_pick(live_scene);
         }
@@ -108,14 +111,18 @@ impl Viewer {
         }
     }
 
-    fn with_context<T>(&mut self, live_scene: &mut LiveScene, work: impl FnOnce(&mut CommandContext) -> T) -> T {
+    pub(super) fn with_context<T>(
+        &mut self,
+        live_scene: &mut LiveScene,
+        work: impl FnOnce(&mut CommandContext) -> T,
+    ) -> T {
         let tree = live_scene.builds();
         let (camera, edits) = (self.control.as_mut(), live_scene.edits_mut());
         work(&mut CommandContext { view_settings: &mut self.view_settings, usual: &self.usual, tree, camera, edits })
     }
 
     /// Sees to what remains to be done after a change.
-    fn see_to(&mut self, live_scene: &mut LiveScene, effect: Effect) -> Vec<Outcome> {
+    pub(super) fn see_to(&mut self, live_scene: &mut LiveScene, effect: Effect) -> Vec<Outcome> {
         match effect {
             Effect::Overlay => {}
             Effect::ToneMapFilm => self.ask(Lacks::Developing),
@@ -133,14 +140,14 @@ impl Viewer {
     /// What keys ask of others than the options.
     fn act(&mut self, live_scene: &mut LiveScene, action: Action, event: &Event) -> Vec<Outcome> {
         let outcome = match action {
-            Action::Screenshot => self.screenshot(),
+            Action::Screenshot => self.screenshot(live_scene),
             Action::CopyCamera => self.copy_camera(),
             Action::Quit => Some(Outcome::Quit),
             Action::Reload => (live_scene.reload(), None).1,
-            Action::Undo => self.change_back(live_scene, |edits| edits.undo()),
-            Action::Redo => self.change_back(live_scene, |edits| edits.redo()),
+            Action::Undo => (self.undo(live_scene), None).1,
+            Action::Redo => (self.redo(live_scene), None).1,
             Action::Save => self.save(live_scene),
-            Action::Escape => (self.pick = None, None).1,
+            Action::Escape => (self.hold(None), None).1,
             Action::Focus => (self.focus(live_scene), None).1,
             Action::Frame if self.pick.is_some() => (self.frame_picked(live_scene), None).1,
             _ => (self.steer(event), None).1,
@@ -148,15 +155,11 @@ impl Viewer {
         outcome.into_iter().collect()
     }
 
-    fn change_back(
-        &mut self,
-        live_scene: &mut LiveScene,
-        step: impl FnOnce(&mut crate::live::edits::Edits) -> Vec<Touched>,
-    ) -> Option<Outcome> {
+    /// Takes a step of the edits back, or does it again.
+    pub(super) fn change(&mut self, live_scene: &mut LiveScene, step: impl FnOnce(&mut Edits) -> Vec<Touched>) {
         let touched = live_scene.edits_mut().map(step).unwrap_or_default();
         live_scene.bring(&touched);
         self.follow_pick(live_scene);
-        None
     }
 
     /// What the pixel under the pointer shows.
@@ -169,6 +172,14 @@ impl Viewer {
         match Pick::at(tracer, &scene.meshes, &shown, &camera, self.size, pixel) {
             Ok(pick) => pick,
             Err(error) => (self.refuse(error), None).1,
+        }
+    }
+
+    /// Picks something, or lets go of it.
+    fn hold(&mut self, pick: Option<Pick>) {
+        if self.pick != pick {
+            self.pick = pick;
+            self.ask(Lacks::Developing);
         }
     }
 
@@ -197,8 +208,11 @@ impl Viewer {
         Some(Outcome::Copy(flags))
     }
 
-    fn screenshot(&mut self) -> Option<Outcome> {
-        let picture = self.frames.shown()?;
+    fn screenshot(&mut self, live_scene: &LiveScene) -> Option<Outcome> {
+        let picture = match self.without_outline(live_scene.ready()?) {
+            Ok(picture) => picture?,
+            Err(error) => return (self.refuse(error), None).1,
+        };
         let ticket = self.ticket()?;
         let content = Content::Picture(picture);
         Some(Outcome::File(Export { name: "raywarp.png".to_owned(), media_type: "image/png", content, ticket }))

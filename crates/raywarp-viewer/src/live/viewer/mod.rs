@@ -1,8 +1,9 @@
-//! One pair of eyes on the stage: camera, options, picture.
+//! One pair of eyes on the live scene: camera, options, picture.
 
 mod frame_pool;
 mod input;
 mod rendering;
+mod resets;
 mod save;
 
 use std::sync::Weak;
@@ -17,6 +18,7 @@ use super::camera_control::CameraControl;
 use super::live_scene::Ready;
 use super::meter::Meter;
 use super::object_drag::ObjectDrag;
+use super::outline::Outline;
 use super::pace::Pace;
 use super::panel_rows::{self, Shown};
 use super::pick::Pick;
@@ -25,6 +27,7 @@ use super::view_settings::ViewSettings;
 use super::{Legend, LiveScene, Notice, Panel, Status};
 
 use frame_pool::FramePool;
+use resets::Resets;
 
 /// Pixels to show.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -50,13 +53,16 @@ pub struct Viewer {
     clicks: Clicks,
     object_drag: ObjectDrag,
     pick: Option<Pick>,
-    /// Of the stage, as the picture shows it.
+    resets: Resets,
+    /// Of the live scene, as the picture shows it.
     generation: u64,
     edition: u64,
     trees: u64,
     /// Of the structure, where they are shown.
     boxes: Option<Vec<TreeBox>>,
-    /// A small picture while something moves, and the whole one while it rests.
+    /// Of what is picked, with what it depends on.
+    outline: Option<(Outlined, Outline)>,
+    /// A coarse picture while something moves: whole, and shown where the one at rest has no sample yet.
     moving: Option<Film>,
     resting: Option<Film>,
     /// Whether the latter still has the samples of another view.
@@ -77,6 +83,15 @@ pub struct Viewer {
     read: u64,
 }
 
+/// What an outline depends on.
+#[derive(Clone, Debug, PartialEq)]
+struct Outlined {
+    camera: Camera,
+    size: [u32; 2],
+    instance: usize,
+    edition: u64,
+}
+
 /// How much of the picture has to be made anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Lacks {
@@ -85,6 +100,8 @@ enum Lacks {
     Samples,
     /// The same samples, shown otherwise.
     Developing,
+    /// The same view in another size.
+    Size,
     /// All of it.
     Everything,
 }
@@ -100,10 +117,12 @@ impl Viewer {
             clicks: Clicks::default(),
             object_drag: ObjectDrag::default(),
             pick: None,
+            resets: Resets::default(),
             generation: 0,
             edition: 0,
             trees: 0,
             boxes: None,
+            outline: None,
             moving: None,
             resting: None,
             resting_is_old: false,
@@ -141,6 +160,15 @@ impl Viewer {
         self.lacks = self.lacks.max(more);
     }
 
+    /// Takes another size. What is on show stays, scaled, until there are samples of the new size.
+    fn resize(&mut self, size: [u32; 2]) {
+        self.size = size.map(|side| side.clamp(1, MOST));
+        if !self.resting_is_old && self.lacks < Lacks::Everything {
+            self.moving = self.resting.take_if(|film| film.samples() > 0).or(self.moving.take());
+        }
+        self.ask(Lacks::Size);
+    }
+
     /// Something moves: a small picture first. The time is known at the next frame.
     fn restart(&mut self) {
         (self.moved, self.lacks) = (None, Lacks::Everything);
@@ -162,7 +190,7 @@ impl Viewer {
         if self.generation != live_scene.generation() {
             self.generation = live_scene.generation();
             self.view_settings.follow(&self.usual, &ready.usual);
-            (self.usual, self.pick) = (ready.usual.clone(), None);
+            (self.usual, self.pick, self.resets) = (ready.usual.clone(), None, Resets::default());
             let (home, bounds) = (ready.home.clone(), ready.tracer.report().bounds);
             let (cameras, up) = (ready.scene.cameras.clone(), [0.0, 1.0, 0.0]);
             match &mut self.control {

@@ -3,11 +3,14 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use raywarp::image::heatmap::PERCENT;
 use raywarp::render::{Film, Quantity, RenderOptions, Tracer};
 use raywarp::scene::Camera;
 
-use super::{Lacks, Picture, Viewer};
+use super::{Lacks, Outlined, Picture, Viewer};
 use crate::live::boxes;
+use crate::live::live_scene::Ready;
+use crate::live::outline::Outline;
 use crate::live::pace::Pace;
 use crate::live::view_settings::{View, MAX_LEVEL};
 use crate::live::{Legend, LiveScene};
@@ -50,9 +53,9 @@ impl Viewer {
         }
         self.meter.begin();
         let picture = match quantity(self.view_settings.view) {
-            Some(quantity) => self.paint(&ready.tracer, &camera, quantity, is_moving)?,
-            None if live => self.move_on(&ready.tracer, &camera)?,
-            None => self.refine(&ready.tracer, &camera)?,
+            Some(quantity) => self.paint(ready, &camera, quantity, is_moving)?,
+            None if live => self.move_on(ready, &camera)?,
+            None => self.refine(ready, &camera)?,
         };
         self.meter.end();
         Ok(Some(self.frames.show(picture)))
@@ -72,36 +75,45 @@ impl Viewer {
         held || self.moved.is_some_and(|moved| now.saturating_sub(moved) < REST)
     }
 
-    /// One sample a pixel of as many pixels as there is time for.
-    fn move_on(&mut self, tracer: &Tracer, camera: &Camera) -> Result<Picture, ViewerError> {
-        let rate = self.moving.as_ref().or(self.resting.as_ref()).map(Film::rate);
-        let size = match rate {
-            Some(rate) => self.pace.size(self.size, rate, self.view_settings.frame_rate),
-            None => self.pace.size(
-                self.size,
-                if tracer.device().is_cuda() { 2e8 } else { 1e6 },
-                self.view_settings.frame_rate,
-            ),
-        };
-        let mut film = fresh(self.moving.take(), tracer, size, rate)?;
-        let options = RenderOptions { spp: 1, ..self.view_settings.render_options(size) };
-        while !self.meter.exposed(tracer.accumulate(&mut film, camera, &options, f64::INFINITY)?) {}
+    /// A coarse picture of what moves.
+    fn move_on(&mut self, ready: &Ready, camera: &Camera) -> Result<Picture, ViewerError> {
+        let tracer = &ready.tracer;
+        let size = self.coarse_size(tracer);
+        let mut film = self.coarse(tracer, camera, size)?;
         self.meter.fetching();
         film.tone_map_film(&self.view_settings.development(), None)?;
         self.meter.samples([1, 1], size);
-        let picture = self.fetch(tracer, camera, &film, false)?;
+        let picture = self.fetch(ready, camera, &film, false)?;
         (self.moving, self.lacks, self.legend) = (Some(film), Lacks::Samples, None);
         self.resting = self.resting.take().filter(|film| film.size() == self.size);
         self.resting_is_old = true;
         Ok(picture)
     }
 
+    /// As many pixels as can be traced in the time of a frame.
+    fn coarse_size(&mut self, tracer: &Tracer) -> [u32; 2] {
+        let known = self.moving.as_ref().or(self.resting.as_ref()).map(Film::rate);
+        let rate = known.unwrap_or(if tracer.device().is_cuda() { 2e8 } else { 1e6 });
+        self.pace.size(self.size, rate, self.view_settings.frame_rate)
+    }
+
+    /// One sample of each of so many pixels.
+    fn coarse(&mut self, tracer: &Tracer, camera: &Camera, size: [u32; 2]) -> Result<Film, ViewerError> {
+        let rate = self.moving.as_ref().or(self.resting.as_ref()).map(Film::rate);
+        let mut film = fresh(self.moving.take(), tracer, size, rate)?;
+        let options = RenderOptions { spp: 1, ..self.view_settings.render_options(size) };
+        while !self.meter.exposed(tracer.accumulate(&mut film, camera, &options, f64::INFINITY)?) {}
+        Ok(film)
+    }
+
     /// More samples of the whole picture.
-    fn refine(&mut self, tracer: &Tracer, camera: &Camera) -> Result<Picture, ViewerError> {
+    fn refine(&mut self, ready: &Ready, camera: &Camera) -> Result<Picture, ViewerError> {
+        let tracer = &ready.tracer;
         let rate = self.resting.as_ref().or(self.moving.as_ref()).map(Film::rate);
         if self.lacks == Lacks::Everything {
-            // It would show another view where there is no sample yet.
-            self.moving = None;
+            // The one before would show another view where there is no sample yet.
+            let size = self.coarse_size(tracer);
+            self.moving = if size == self.size { None } else { Some(self.coarse(tracer, camera, size)?) };
         }
         let mut film = match self.resting.take() {
             Some(film) if film.size() == self.size && self.lacks != Lacks::Everything && !self.resting_is_old => film,
@@ -122,7 +134,7 @@ impl Viewer {
         self.meter.fetching();
         film.tone_map_film(&self.view_settings.development(), self.moving.as_ref())?;
         self.meter.samples([film.samples(), options.spp], self.size);
-        let picture = self.fetch(tracer, camera, &film, complete)?;
+        let picture = self.fetch(ready, camera, &film, complete)?;
         self.lacks = if complete { Lacks::Nothing } else { Lacks::Samples };
         (self.resting, self.legend) = (Some(film), None);
         Ok(picture)
@@ -131,11 +143,12 @@ impl Viewer {
     /// A debug view.
     fn paint(
         &mut self,
-        tracer: &Tracer,
+        ready: &Ready,
         camera: &Camera,
         quantity: Quantity,
         is_moving: bool,
     ) -> Result<Picture, ViewerError> {
+        let tracer = &ready.tracer;
         let known = self.moving.as_ref().or(self.resting.as_ref()).map(Film::rate);
         let rate = known.filter(|_| is_moving && !self.view_settings.reference);
         let size = rate.map_or(self.size, |rate| self.pace.size(self.size, rate, self.view_settings.frame_rate));
@@ -148,26 +161,69 @@ impl Viewer {
         }
         self.legend = legend(quantity, drawn.range, tracer.device().is_cuda());
         let settled = size == self.size;
-        let picture = self.fetch(tracer, camera, &film, settled)?;
+        let picture = self.fetch(ready, camera, &film, settled)?;
         *(if settled { &mut self.resting } else { &mut self.moving }) = Some(film);
         self.lacks = if settled { Lacks::Nothing } else { Lacks::Everything };
         Ok(picture)
     }
 
-    fn fetch(&mut self, tracer: &Tracer, camera: &Camera, film: &Film, settled: bool) -> Result<Picture, ViewerError> {
+    fn fetch(&mut self, ready: &Ready, camera: &Camera, film: &Film, settled: bool) -> Result<Picture, ViewerError> {
         self.meter.fetching();
-        self.staging.fetch(tracer.device(), film.screen())?;
+        self.staging.fetch(ready.tracer.device(), film.screen())?;
         let mut rgba = self.frames.bytes(&self.staging);
         self.meter.fetched();
-        if let Some(level) = self.view_settings.boxes {
-            let boxes = match self.boxes.take() {
-                Some(boxes) => boxes,
-                None => tracer.boxes(MAX_LEVEL)?,
-            };
-            boxes::draw(&mut rgba, film.size(), camera, &boxes, level);
-            self.boxes = Some(boxes);
-        }
+        self.draw_boxes(&mut rgba, film.size(), &ready.tracer, camera)?;
+        self.draw_outline(&mut rgba, film.size(), ready, camera)?;
         Ok(Picture { size: film.size(), rgba, settled })
+    }
+
+    /// The picture on show without the outline of what is picked: the one to keep.
+    pub(super) fn without_outline(&mut self, ready: &Ready) -> Result<Option<Arc<Picture>>, ViewerError> {
+        let (Some(shown), Some(camera)) = (self.frames.shown(), self.camera().cloned()) else { return Ok(None) };
+        if self.pick.is_none() || 4 * self.staging.len() != shown.rgba.len() {
+            return Ok(Some(shown));
+        }
+        let mut rgba = self.frames.bytes(&self.staging);
+        self.draw_boxes(&mut rgba, shown.size, &ready.tracer, &camera)?;
+        Ok(Some(Arc::new(Picture { rgba, ..*shown })))
+    }
+
+    fn draw_boxes(
+        &mut self,
+        rgba: &mut [u8],
+        size: [u32; 2],
+        tracer: &Tracer,
+        camera: &Camera,
+    ) -> Result<(), ViewerError> {
+        let Some(level) = self.view_settings.boxes else { return Ok(()) };
+        let boxes = match self.boxes.take() {
+            Some(boxes) => boxes,
+            None => tracer.boxes(MAX_LEVEL)?,
+        };
+        boxes::draw(rgba, size, camera, &boxes, level);
+        self.boxes = Some(boxes);
+        Ok(())
+    }
+
+    fn draw_outline(
+        &mut self,
+        rgba: &mut [u8],
+        size: [u32; 2],
+        ready: &Ready,
+        camera: &Camera,
+    ) -> Result<(), ViewerError> {
+        let Some(instance) = self.pick.as_ref().map(|pick| pick.instance) else {
+            self.outline = None;
+            return Ok(());
+        };
+        let what = Outlined { camera: camera.clone(), size, instance, edition: self.edition };
+        let outline = match self.outline.take().filter(|(known, _)| *known == what) {
+            Some((_, outline)) => outline,
+            None => Outline::of(&ready.tracer, (&ready.scene.meshes, &ready.placed), camera, size, instance)?,
+        };
+        outline.draw(rgba, size);
+        self.outline = Some((what, outline));
+        Ok(())
     }
 }
 
@@ -212,7 +268,9 @@ fn legend(quantity: Quantity, [low, high]: [f32; 2], is_gpu: bool) -> Option<Leg
         Quantity::Ticks if is_gpu => ("cycles of the pixel's thread", HEAT.to_vec()),
         Quantity::Ticks => ("nanoseconds of the pixel", HEAT.to_vec()),
     };
+    let costs = matches!(quantity, Quantity::Tests | Quantity::Ticks);
+    let title = if costs { format!("{title}; {PERCENT} % are within the scale") } else { title.to_owned() };
     let number = |x: f32| if colors.is_empty() { String::new() } else { format!("{x}") };
     let (low, high) = (number(low), number(high));
-    Some(Legend { title: title.to_owned(), low, high, colors })
+    Some(Legend { title, low, high, colors })
 }
