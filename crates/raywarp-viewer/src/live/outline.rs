@@ -1,9 +1,8 @@
 //! The outline of an object over the picture: around what is seen of it, so that the object itself stays as it is.
 
 use rayon::prelude::*;
-use raywarp::query::Geometries;
 use raywarp::render::{RenderError, RenderOptions, Tracer};
-use raywarp::scene::{Camera, Instance, Mesh};
+use raywarp::scene::Camera;
 
 /// Of the line.
 pub const COLOR: [u8; 3] = [255, 166, 26];
@@ -20,24 +19,15 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// Of an instance as it is seen through a camera. Of the instances each is where the tracer has it.
+    /// Of an instance as it is seen through a camera.
     ///
     /// # Errors
     /// [`RenderError`] for a camera that cannot be rendered from, or where the device fails.
-    pub fn of(
-        tracer: &Tracer,
-        (meshes, instances): (&[Mesh], &[Instance]),
-        camera: &Camera,
-        size: [u32; 2],
-        instance: usize,
-    ) -> Result<Self, RenderError> {
+    pub fn of(tracer: &Tracer, camera: &Camera, size: [u32; 2], instance: usize) -> Result<Self, RenderError> {
         let scale = (MOST / (f64::from(size[0]) * f64::from(size[1]))).sqrt().min(1.0);
         let size = size.map(|side| ((f64::from(side) * scale) as u32).max(1));
         let first_hits = tracer.layers(camera, &RenderOptions { size, ..RenderOptions::default() })?;
-        let geometries = Geometries::placed(meshes, instances);
-        let is_inside =
-            |primitive: u32| primitive != raywarp::MISS && geometries.locate(primitive).0 as usize == instance;
-        let inside: Vec<bool> = first_hits.par_iter().map(|hit| is_inside(hit.primitive)).collect();
+        let inside: Vec<bool> = first_hits.par_iter().map(|hit| hit.instance as usize == instance).collect();
         Ok(Self { size, line: around(&inside, size, size[1].div_ceil(ROWS) as usize) })
     }
 

@@ -219,7 +219,7 @@ impl Viewer {
         let what = Outlined { camera: camera.clone(), size, instance, edition: self.edition };
         let outline = match self.outline.take().filter(|(known, _)| *known == what) {
             Some((_, outline)) => outline,
-            None => Outline::of(&ready.tracer, (&ready.scene.meshes, &ready.placed), camera, size, instance)?,
+            None => Outline::of(&ready.tracer, camera, size, instance)?,
         };
         outline.draw(rgba, size);
         self.outline = Some((what, outline));
