@@ -143,7 +143,9 @@ fn what_can_be_dropped_is_a_warning_and_with_strict_an_error() {
     ] {
         let run = place.render(&[name, "--size", "8x8"]).says(sentence);
         assert!(run.err().contains("warning: "), "{}", run.err());
-        place.render(&[name, "--size", "8x8", "--strict"]).fails(2, "(an error because of --strict)");
+        place
+            .render(&[name, "--size", "8x8", "--strict"])
+            .fails(2, "(an error, as reading is strict); without --strict it is a warning");
     }
 }
 
