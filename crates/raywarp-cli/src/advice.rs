@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::io;
 
-use raywarp::accel::{BuildError, Unhittable};
+use raywarp::accel::Unhittable;
 use raywarp::device::DeviceError;
 use raywarp::image::ImageError;
 use raywarp::query::QueryError;
@@ -78,21 +78,10 @@ impl Advise for UnknownCamera {
     }
 }
 
-impl Advise for BuildError {
-    fn advice(&self) -> Option<String> {
-        if let Self::TooManyPrimitives { .. } = self {
-            some("place fewer")
-        } else {
-            None
-        }
-    }
-}
-
 impl Advise for RenderError {
     fn advice(&self) -> Option<String> {
         match self {
             Self::Camera { .. } => some("give --eye and --target, two different finite points, and --fov"),
-            Self::Build(error) => error.advice(),
             Self::Device(error) => error.advice(),
             _ => None,
         }
@@ -111,7 +100,6 @@ impl Advise for QueryError {
     fn advice(&self) -> Option<String> {
         match self {
             Self::Scene(error) => error.advice(),
-            Self::Build(error) => error.advice(),
             Self::Device(error) => error.advice(),
             _ => None,
         }
@@ -215,6 +203,7 @@ macro_rules! without_advice {
 }
 
 without_advice!(
+    raywarp::accel::BuildError,
     raywarp::accel::UnknownKind,
     raywarp::query::files::RayFileError,
     raywarp_viewer::serve::StripeError,

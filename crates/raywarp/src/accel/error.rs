@@ -17,7 +17,7 @@ pub enum BuildError {
         limit: u32,
     },
     /// Hits name triangles by 32 bits, of which the largest number is the name of a miss.
-    #[error("the instances have {has} triangles in all, more than the {limit} that hits can tell apart")]
+    #[error("the instances have {has} triangles in all, more than the {limit} that hits can tell apart; place fewer")]
     TooManyPrimitives {
         /// Triangles of all instances up to the one that is too many.
         has: u64,
