@@ -256,7 +256,7 @@ fn impossible_options_are_refused() {
         (&["--max-depth", "17"], "give a whole number from 0 to 16"),
         (&["--max-depth=-1"], "give a whole number from 0 to 16"),
         (&["--accel", "octree"], "octree"),
-        (&["--device", "tpu"], "give auto, cpu, cuda or cuda:N"),
+        (&["--device", "tpu"], "expected auto, cpu, cuda or cuda:N"),
         (&["--fov", "180"], "from 0.001 to 179 degrees"),
         (&["--eye", "1,2"], "give three numbers"),
         (&["--eye", "1,nan,3"], "coordinates are finite numbers"),
