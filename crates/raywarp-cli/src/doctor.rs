@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use raywarp::device::{survey, Device, DeviceChoice, DeviceError, DeviceInfo, Survey};
 
+use crate::failure::{Failure, Result};
 use crate::messages;
 use crate::report::Table;
 
@@ -11,7 +12,7 @@ use crate::report::Table;
 ///
 /// # Errors
 /// Where none can, after saying why; the exit code is that of a device error.
-pub fn run() -> anyhow::Result<()> {
+pub fn run() -> Result<()> {
     let survey = survey();
     messages::out(describe(&survey).as_bytes())?;
     match problem(survey) {
@@ -47,7 +48,7 @@ fn describe_device(device: &DeviceInfo) -> String {
     let (major, minor) = device.compute_capability;
     let kernels = match &device.ptx {
         Ok(()) => "the kernels load".to_owned(),
-        Err(error) => format!("the kernels do not load: {error}"),
+        Err(error) => format!("the kernels do not load: {}", Failure::from(error.clone())),
     };
     format!(
         "{}, compute capability {major}.{minor}, {} multiprocessors, {} of {} free; {kernels}",

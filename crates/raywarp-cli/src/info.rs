@@ -6,6 +6,7 @@ use raywarp::render::{Report, Tracer};
 use raywarp::scene::{Material, Scene};
 use serde::Serialize;
 
+use crate::failure::Result;
 use crate::interrupt::Interrupt;
 use crate::messages;
 use crate::options::InfoOptions;
@@ -62,7 +63,7 @@ struct TreeInfo {
 }
 
 /// Says what is in a scene.
-pub fn run(options: &InfoOptions) -> anyhow::Result<()> {
+pub fn run(options: &InfoOptions) -> Result<()> {
     let _ends = Interrupt::install();
     let loaded = read(options.scene.as_deref(), options.strict, &mut to_standard_output()?)?;
     let scene = &loaded.scene;

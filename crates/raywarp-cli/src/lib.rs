@@ -3,6 +3,8 @@
 //! No library for others: whatever is here may change with the next commit.
 
 #[doc(hidden)]
+pub mod advice;
+#[doc(hidden)]
 pub mod bench;
 mod browser;
 #[doc(hidden)]
@@ -63,6 +65,6 @@ pub fn main() -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => failure::exit_code(&error),
+        Err(failure) => failure.tell(),
     }
 }

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use anyhow::Context;
 use clap::CommandFactory;
 use raywarp::write::Outputs;
 
+use crate::failure::{Context, Result};
 use crate::messages;
 use crate::options::{ManOptions, Options};
 
 /// Prints the manual page, or writes one a command.
-pub fn run(options: &ManOptions) -> anyhow::Result<()> {
+pub fn run(options: &ManOptions) -> Result<()> {
     let Some(directory) = &options.directory else {
         let mut text = Vec::new();
         clap_mangen::Man::new(Options::command()).render(&mut text)?;
@@ -24,7 +24,7 @@ pub fn run(options: &ManOptions) -> anyhow::Result<()> {
 }
 
 /// Puts every page in its place, whole or not at all.
-fn put_pages(made: &Path, directory: &Path) -> anyhow::Result<()> {
+fn put_pages(made: &Path, directory: &Path) -> Result<()> {
     for page in std::fs::read_dir(made)? {
         let page = page?;
         let mut run = Outputs::default();

@@ -3,12 +3,13 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use anyhow::Context;
 use raywarp::accel::Dropped;
 use raywarp::device::Device;
 use raywarp::scene::load::quote;
 use raywarp::write;
 use serde::Serialize;
+
+use crate::failure::{Context, Failure, Result};
 
 /// A line, or several, on standard error. Where nobody can read it, nothing is lost. Names come from files: what a terminal
 /// would obey is taken out.
@@ -67,14 +68,14 @@ pub fn dropped(dropped: &Dropped) {
 /// Why a CPU stands in for a GPU, if it does.
 pub fn fallback(device: &Device) {
     if let Some(reason) = device.fallback() {
-        line(&format!("note: tracing on the CPU: {reason}"));
+        line(&format!("note: tracing on the CPU: {}", Failure::from(reason.clone())));
     }
 }
 
 /// Text on standard output.
 ///
 /// # Errors
-/// Where it cannot be written; a reader that has gone is told apart by [`exit_code`](crate::failure::exit_code).
+/// Where it cannot be written; a reader that has gone is told apart by [`Exit`](crate::failure::Exit).
 pub fn out(bytes: &[u8]) -> io::Result<()> {
     let mut output = io::stdout().lock();
     output.write_all(bytes)?;
@@ -85,7 +86,7 @@ pub fn out(bytes: &[u8]) -> io::Result<()> {
 ///
 /// # Errors
 /// As [`out`].
-pub fn results<T: Serialize>(results: &T, json: bool, lines: impl FnOnce() -> String) -> anyhow::Result<()> {
+pub fn results<T: Serialize>(results: &T, json: bool, lines: impl FnOnce() -> String) -> Result<()> {
     let text = if json { escaped(&serde_json::to_string_pretty(results)?) + "\n" } else { printable(&lines()) };
     out(text.as_bytes()).context("cannot write the results")
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use raywarp::image::{exr, false_color, heatmap, png, Development, Format, Layer, Layers, Picture, Provenance, Rgb8};
 use raywarp::write::{self, Outputs};
 
+use crate::failure::{ensure, Result};
 use crate::interrupt::Interrupt;
 use crate::messages;
 use crate::options::{RenderOptions, StatsForm};
@@ -51,7 +52,7 @@ impl Plan {
     ///
     /// # Errors
     /// Where they contradict each other, one cannot be written, or one is read.
-    pub fn new(options: &RenderOptions, run: &mut Outputs) -> anyhow::Result<Self> {
+    pub fn new(options: &RenderOptions, run: &mut Outputs) -> Result<Self> {
         let usual = [PathBuf::from(USUAL)];
         let outputs = if options.output.is_empty() { &usual } else { options.output.as_slice() };
         let plan = Self::of(outputs, options.heatmap.clone(), &options.aov)?;
@@ -63,7 +64,7 @@ impl Plan {
     ///
     /// # Errors
     /// Where they contradict each other.
-    pub fn of(outputs: &[PathBuf], heatmap: Option<PathBuf>, layers: &[Layer]) -> anyhow::Result<Self> {
+    pub fn of(outputs: &[PathBuf], heatmap: Option<PathBuf>, layers: &[Layer]) -> Result<Self> {
         let mut layers = layers.to_owned();
         layers.sort();
         layers.dedup();
@@ -73,15 +74,15 @@ impl Plan {
         }
         if let Some(path) = &plan.heatmap {
             let is_png = Format::of(path)? == Format::Png;
-            anyhow::ensure!(is_png, "the heat map {} is a PNG: end its name in .png", path.display());
+            ensure!(is_png, "the heat map {} is a PNG: end its name in .png", path.display());
         }
         Ok(plan)
     }
 
-    fn add(&mut self, path: &Path) -> anyhow::Result<()> {
+    fn add(&mut self, path: &Path) -> Result<()> {
         let format = Format::of(path)?;
         if format == Format::Png && !self.layers.is_empty() {
-            anyhow::ensure!(
+            ensure!(
                 !write::is_dash(path),
                 "--aov names its files after the picture, and standard output has no name: give -o a file"
             );
@@ -92,7 +93,7 @@ impl Plan {
         Ok(())
     }
 
-    fn check(&self, options: &RenderOptions, run: &mut Outputs) -> anyhow::Result<()> {
+    fn check(&self, options: &RenderOptions, run: &mut Outputs) -> Result<()> {
         self.check_standard_output(options)?;
         for path in self.paths() {
             run.add(path)?;
@@ -102,9 +103,9 @@ impl Plan {
     }
 
     /// Refuses statistics within a picture.
-    pub fn check_standard_output(&self, options: &RenderOptions) -> anyhow::Result<()> {
+    pub fn check_standard_output(&self, options: &RenderOptions) -> Result<()> {
         let taken = self.paths().any(write::is_dash) && options.stats == Some(StatsForm::Json);
-        anyhow::ensure!(!taken, "--stats=json and a picture cannot both go to standard output: give -o a file");
+        ensure!(!taken, "--stats=json and a picture cannot both go to standard output: give -o a file");
         Ok(())
     }
 
@@ -147,7 +148,7 @@ impl Plan {
     }
 
     /// Writes every file. Says what the colours of layers and heat maps mean.
-    pub fn write(&self, results: &Results, target: Target, quiet: bool) -> anyhow::Result<()> {
+    pub fn write(&self, results: &Results, target: Target, quiet: bool) -> Result<()> {
         for (path, format) in &self.pictures {
             let bytes = match format {
                 Format::Png => png::encode_described(results.shown(), Some(&results.provenance))?,
@@ -174,14 +175,14 @@ impl Plan {
 ///
 /// # Errors
 /// None; as for [`Outputs::add`].
-pub fn to_standard_output() -> anyhow::Result<Outputs> {
+pub fn to_standard_output() -> Result<Outputs> {
     let mut run = Outputs::default();
     run.add(Path::new(write::STANDARD))?;
     Ok(run)
 }
 
 /// Statistics on standard output may go to a file, too.
-pub fn add_statistics(options: &RenderOptions, run: &mut Outputs) -> anyhow::Result<()> {
+pub fn add_statistics(options: &RenderOptions, run: &mut Outputs) -> Result<()> {
     match options.stats {
         Some(StatsForm::Json) => Ok(run.add(Path::new(write::STANDARD))?),
         _ => Ok(()),
@@ -204,7 +205,7 @@ impl Target<'_> {
         (picture, meaning): (Rgb8, String),
         results: &Results,
         quiet: bool,
-    ) -> anyhow::Result<()> {
+    ) -> Result<()> {
         self.put(path, &png::encode_described(&picture, Some(&results.provenance))?)?;
         if !quiet {
             messages::line(&format!("{}: {meaning}", messages::path(path)));
@@ -212,7 +213,7 @@ impl Target<'_> {
         Ok(())
     }
 
-    fn put(self, path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    fn put(self, path: &Path, bytes: &[u8]) -> Result<()> {
         // A pipe may wait for its reader for ever: Ctrl-C has to work there, and leaves no file.
         let _held = (!write::is_dash(path)).then(|| self.interrupt.hold());
         Ok(self.run.file(path, bytes)?)

@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::Context;
 use raywarp::device::Device;
 use raywarp::query::files::{AnswerWriter, Answers, Format, Mode, RayReader};
 use raywarp::query::{Batch, Progress, RayCaster};
 use raywarp::write::{self, Outputs};
 use serde::Serialize;
 
+use crate::failure::{ensure, fail, Context, Result};
 use crate::interrupt::Interrupt;
 use crate::messages;
 use crate::options::QueryOptions;
@@ -23,7 +23,7 @@ use crate::render::{limit_threads, read};
 const PIECE: usize = 1 << 22;
 
 /// Answers the rays of a file.
-pub fn run(options: &QueryOptions) -> anyhow::Result<()> {
+pub fn run(options: &QueryOptions) -> Result<()> {
     let interrupt = Interrupt::install();
     let start = Instant::now();
     let mut outputs = Outputs::default();
@@ -103,13 +103,13 @@ struct Seconds {
 }
 
 /// Where the answers go, once it is known that they can.
-fn plan(options: &QueryOptions, run: &mut Outputs, interrupt: &Interrupt) -> anyhow::Result<AnswerWriter> {
+fn plan(options: &QueryOptions, run: &mut Outputs, interrupt: &Interrupt) -> Result<AnswerWriter> {
     let (mode, output) = (options.mode, options.output.as_path());
-    anyhow::ensure!(
+    ensure!(
         options.max_hits.is_none() || matches!(mode, Mode::All | Mode::Count),
         "--max-hits bounds what --mode all and --mode count find, and {mode} finds one hit: leave it out"
     );
-    anyhow::ensure!(
+    ensure!(
         !options.json || !write::is_dash(output),
         "--json and the answers cannot both go to standard output: give -o a file"
     );
@@ -125,7 +125,7 @@ fn plan(options: &QueryOptions, run: &mut Outputs, interrupt: &Interrupt) -> any
 }
 
 /// Everything that is read and written beside the scene.
-fn add_files(options: &QueryOptions, run: &mut Outputs) -> anyhow::Result<()> {
+fn add_files(options: &QueryOptions, run: &mut Outputs) -> Result<()> {
     match write::is_dash(&options.rays) {
         true => run.reads_standard_input()?,
         false => run.reads([&options.rays])?,
@@ -137,12 +137,12 @@ fn add_files(options: &QueryOptions, run: &mut Outputs) -> anyhow::Result<()> {
     }
 }
 
-fn format(options: &QueryOptions) -> anyhow::Result<Format> {
+fn format(options: &QueryOptions) -> Result<Format> {
     let output = options.output.as_path();
     match options.format.or_else(|| Format::of(output)) {
         Some(format) => Ok(format),
         None if write::is_dash(output) => Ok(Format::Csv),
-        None => anyhow::bail!(
+        None => fail!(
             "cannot write {}: its name does not end in .npz, .npy or .csv. Give one of these endings, or --format",
             output.display()
         ),
@@ -159,12 +159,7 @@ fn spool(output: &Path) -> PathBuf {
 }
 
 /// Puts the answers to all rays aside; returns the seconds that kernels ran.
-fn ask(
-    options: &QueryOptions,
-    caster: &RayCaster,
-    reader: RayReader,
-    answers: &mut AnswerWriter,
-) -> anyhow::Result<f64> {
+fn ask(options: &QueryOptions, caster: &RayCaster, reader: RayReader, answers: &mut AnswerWriter) -> Result<f64> {
     let mut bar = Bar::new(options.quiet, Words::Query);
     let mut kernel_seconds = 0.0;
     let expected = reader.rays();
@@ -185,7 +180,7 @@ fn ask(
 }
 
 /// Asks a batch and puts its answers aside.
-fn answer(mode: Mode, batch: Batch, answers: &mut AnswerWriter) -> anyhow::Result<()> {
+fn answer(mode: Mode, batch: Batch, answers: &mut AnswerWriter) -> Result<()> {
     let kept = match mode {
         Mode::Closest => answers.add(Answers::Closest(&batch.closest()?)),
         Mode::Any => answers.add(Answers::Any(&batch.any()?)),
@@ -209,12 +204,7 @@ fn answer(mode: Mode, batch: Batch, answers: &mut AnswerWriter) -> anyhow::Resul
     kept.context("the answers do not fit in memory, and cannot be put aside beside the output")
 }
 
-fn save(
-    options: &QueryOptions,
-    mut answers: AnswerWriter,
-    shape: Option<&[u64]>,
-    target: Target,
-) -> anyhow::Result<()> {
+fn save(options: &QueryOptions, mut answers: AnswerWriter, shape: Option<&[u64]>, target: Target) -> Result<()> {
     let output = options.output.as_path();
     let bytes = answers.bytes()?;
     // A pipe may wait for its reader for ever: Ctrl-C has to work there, and leaves no file.
@@ -223,7 +213,7 @@ fn save(
     Ok(())
 }
 
-fn conclude(options: &QueryOptions, mut report: Report, save_seconds: f64, total: f64) -> anyhow::Result<()> {
+fn conclude(options: &QueryOptions, mut report: Report, save_seconds: f64, total: f64) -> Result<()> {
     report.seconds.save = save_seconds;
     if options.json {
         messages::results(&report, true, String::new)?;

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::Context;
 use raywarp::accel::cache::Cache;
 use raywarp::accel::Build;
 use raywarp::device::Device;
@@ -12,6 +11,7 @@ use raywarp::render::{self, Progress, Rendering, Tracer};
 use raywarp::scene::{load, Camera, LoadOptions, Loaded, RenderDefaults};
 use raywarp::write::Outputs;
 
+use crate::failure::{Context, Result};
 use crate::frames;
 use crate::interrupt::Interrupt;
 use crate::limits;
@@ -23,7 +23,7 @@ use crate::provenance::{digest, Origin};
 use crate::report::{SceneCounts, Seconds, Statistics};
 
 /// Renders a scene to files.
-pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
+pub fn run(options: &RenderOptions) -> Result<()> {
     if let Some(range) = options.frames.range {
         return frames::run(options, range);
     }
@@ -59,14 +59,14 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     conclude(options, &plan, &statistics, start.elapsed().as_secs_f64())
 }
 
-fn plan(options: &RenderOptions, outputs: &mut Outputs, interrupt: &Interrupt) -> anyhow::Result<Plan> {
+fn plan(options: &RenderOptions, outputs: &mut Outputs, interrupt: &Interrupt) -> Result<Plan> {
     // Trying whether files can be written makes some for a moment.
     let _held = interrupt.hold();
     Plan::new(options, outputs)
 }
 
 /// The scene of a file, or the built-in one, once it is known that no output of the run is one of its files.
-pub fn read(path: Option<&Path>, strict: bool, run: &mut Outputs) -> anyhow::Result<Loaded> {
+pub fn read(path: Option<&Path>, strict: bool, run: &mut Outputs) -> Result<Loaded> {
     run.reads(path)?;
     let loaded = match path {
         Some(path) => load::load(path, &LoadOptions { strict })?,
@@ -85,7 +85,7 @@ fn cached_trees() -> Vec<PathBuf> {
 }
 
 /// The CPU's threads, if there is a wish.
-pub fn limit_threads(threads: Option<u32>) -> anyhow::Result<()> {
+pub fn limit_threads(threads: Option<u32>) -> Result<()> {
     let Some(threads) = threads else { return Ok(()) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
     pool.build_global().with_context(|| format!("cannot start {threads} threads"))
@@ -124,7 +124,7 @@ pub struct Setup<'a> {
 
 impl<'a> Setup<'a> {
     /// Builds the tree and says what there is to say about the scene.
-    pub fn set(options: &'a RenderOptions, overrides: RenderDefaults, loaded: &'a Loaded) -> anyhow::Result<Self> {
+    pub fn set(options: &'a RenderOptions, overrides: RenderDefaults, loaded: &'a Loaded) -> Result<Self> {
         let viewpoint = options.camera.viewpoint();
         let named = viewpoint.named(&loaded.scene.cameras)?;
         let device = Device::open(options.machine.device)?;
@@ -198,7 +198,7 @@ impl Taken {
 
 impl Shot<'_> {
     /// Takes it; where statistics are asked for, twice.
-    pub fn take(&self, progress: &mut dyn FnMut(Progress)) -> anyhow::Result<Taken> {
+    pub fn take(&self, progress: &mut dyn FnMut(Progress)) -> Result<Taken> {
         // Counting costs time: where times are asked for, it gets a run of its own.
         let timed = self.setup.options.stats.is_some();
         let start = Instant::now();
@@ -208,12 +208,12 @@ impl Shot<'_> {
         Ok(Taken { rendering, seconds, counted })
     }
 
-    fn render(&self, count_tests: bool, progress: &mut dyn FnMut(Progress)) -> anyhow::Result<Rendering> {
+    fn render(&self, count_tests: bool, progress: &mut dyn FnMut(Progress)) -> Result<Rendering> {
         Ok(self.setup.tracer.render(self.camera, &self.library_options(count_tests), progress)?)
     }
 
     /// The layers that the files want.
-    pub fn layers(&self, taken: &Taken) -> anyhow::Result<Layers> {
+    pub fn layers(&self, taken: &Taken) -> Result<Layers> {
         let (width, height) = (taken.rendering.picture.width, taken.rendering.picture.height);
         let asked = !self.plan.layers().is_empty();
         let options = self.library_options(false);
@@ -249,7 +249,7 @@ impl Shot<'_> {
 }
 
 /// The statistics, where they are asked for.
-pub fn say_statistics(options: &RenderOptions, statistics: &Statistics) -> anyhow::Result<()> {
+pub fn say_statistics(options: &RenderOptions, statistics: &Statistics) -> Result<()> {
     match options.stats {
         Some(StatsForm::Json) => messages::results(statistics, true, String::new)?,
         Some(StatsForm::Table) => messages::line(statistics.table().trim_end()),
@@ -258,7 +258,7 @@ pub fn say_statistics(options: &RenderOptions, statistics: &Statistics) -> anyho
     Ok(())
 }
 
-fn conclude(options: &RenderOptions, plan: &Plan, statistics: &Statistics, total: f64) -> anyhow::Result<()> {
+fn conclude(options: &RenderOptions, plan: &Plan, statistics: &Statistics, total: f64) -> Result<()> {
     say_statistics(options, statistics)?;
     if !options.quiet {
         let ([width, height], seconds) = (statistics.size, &statistics.seconds);

@@ -6,7 +6,6 @@ use std::fs::File;
 use std::path::Path;
 use std::time::Duration;
 
-use anyhow::Context;
 use raywarp::device::Device;
 use raywarp::scene::load::{load, EXTENSIONS};
 use raywarp::scene::{LoadError, LoadOptions};
@@ -14,6 +13,7 @@ use raywarp_viewer::live::{LiveScene, Source};
 use raywarp_viewer::serve::{self, Server, Stopper};
 
 use crate::browser;
+use crate::failure::{Context, Result};
 use crate::interrupt::{self, INTERRUPTED};
 use crate::messages;
 use crate::options::{LiveOptions, ServeOptions, ViewOptions};
@@ -25,7 +25,7 @@ pub use secret::advise;
 const PARTING: Duration = Duration::from_millis(150);
 
 /// Shows a scene to browsers until it is interrupted.
-pub fn run(options: &ServeOptions) -> anyhow::Result<()> {
+pub fn run(options: &ServeOptions) -> Result<()> {
     // The port comes first: that it is taken should not be told after minutes of reading a scene.
     let server = Server::bind(settings(options)?)?;
     check_scene(options)?;
@@ -34,14 +34,14 @@ pub fn run(options: &ServeOptions) -> anyhow::Result<()> {
 }
 
 /// Shows a scene to the browser of this machine, at a port that is free, until it is interrupted.
-pub fn view(options: &ViewOptions) -> anyhow::Result<()> {
+pub fn view(options: &ViewOptions) -> Result<()> {
     let server = Server::bind(serve::ServeOptions { port: 0, ..serve::ServeOptions::default() })?;
     let source = options.source();
     source.path.as_deref().map_or(Ok(()), is_missing)?;
     show(server, source, &options.live, |server| browser::open(&server.url()))
 }
 
-fn show(server: Server, source: Source, live: &LiveOptions, told: impl FnOnce(&Server)) -> anyhow::Result<()> {
+fn show(server: Server, source: Source, live: &LiveOptions, told: impl FnOnce(&Server)) -> Result<()> {
     limit_threads(live.machine.threads)?;
     let device = Device::open(live.machine.device)?;
     messages::fallback(&device);
@@ -52,13 +52,13 @@ fn show(server: Server, source: Source, live: &LiveOptions, told: impl FnOnce(&S
     std::process::exit(INTERRUPTED)
 }
 
-fn settings(options: &ServeOptions) -> anyhow::Result<serve::ServeOptions> {
+fn settings(options: &ServeOptions) -> Result<serve::ServeOptions> {
     let (host, port, viewers) = (options.host.clone(), options.port, options.viewers as usize);
     Ok(serve::ServeOptions { host, port, token: secret::token(options)?, viewers, ..serve::ServeOptions::default() })
 }
 
 /// Fails for a scene that is certainly not coming: nobody is to open an address that ends a moment later.
-fn check_scene(options: &ServeOptions) -> anyhow::Result<()> {
+fn check_scene(options: &ServeOptions) -> Result<()> {
     let Some(path) = &options.scene else { return Ok(()) };
     let checked = is_missing(path);
     if options.token && path.extension().is_none() {
@@ -86,7 +86,7 @@ fn end_on_interrupt(stopper: Stopper) {
 }
 
 /// The address is the result: it goes to standard output, alone.
-fn announce(server: &Server, scene: Option<&Path>) -> anyhow::Result<()> {
+fn announce(server: &Server, scene: Option<&Path>) -> Result<()> {
     let scene = scene.map_or("the built-in scene".to_owned(), |path| path.display().to_string());
     messages::line(&format!("{scene} until Ctrl-C, in a browser at"));
     messages::out(format!("{}\n", server.url()).as_bytes())?;

@@ -5,8 +5,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::Context;
-
+use crate::failure::{Context, Result};
 use crate::options::ViewOptions;
 use crate::{browser, serve};
 
@@ -14,7 +13,7 @@ use crate::{browser, serve};
 const WINDOW: &str = if cfg!(windows) { "raywarp-window.exe" } else { "raywarp-window" };
 
 /// Shows a scene until its window is closed, or until an interrupt.
-pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
+pub fn run(options: &ViewOptions) -> Result<()> {
     match browser::has_display().then(window).flatten() {
         Some(program) => start(&program),
         None => serve::view(options),
@@ -34,7 +33,7 @@ fn find(beside: Option<&Path>, path: &OsStr) -> Option<PathBuf> {
 }
 
 /// Gives the words after `view` to the window's program, which has the same options.
-fn start(program: &Path) -> anyhow::Result<()> {
+fn start(program: &Path) -> Result<()> {
     let mut command = Command::new(program);
     command.args(env::args_os().skip(2));
     let failed = || format!("cannot start {}", program.display());

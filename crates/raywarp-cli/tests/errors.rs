@@ -143,7 +143,9 @@ fn what_can_be_dropped_is_a_warning_and_with_strict_an_error() {
     ] {
         let run = place.render(&[name, "--size", "8x8"]).says(sentence);
         assert!(run.err().contains("warning: "), "{}", run.err());
-        place.render(&[name, "--size", "8x8", "--strict"]).fails(2, "(an error because of --strict)");
+        place
+            .render(&[name, "--size", "8x8", "--strict"])
+            .fails(2, "(an error, as reading is strict); without --strict it is a warning");
     }
 }
 
@@ -254,7 +256,7 @@ fn impossible_options_are_refused() {
         (&["--max-depth", "17"], "give a whole number from 0 to 16"),
         (&["--max-depth=-1"], "give a whole number from 0 to 16"),
         (&["--accel", "octree"], "octree"),
-        (&["--device", "tpu"], "give auto, cpu, cuda or cuda:N"),
+        (&["--device", "tpu"], "expected auto, cpu, cuda or cuda:N"),
         (&["--fov", "180"], "from 0.001 to 179 degrees"),
         (&["--eye", "1,2"], "give three numbers"),
         (&["--eye", "1,nan,3"], "coordinates are finite numbers"),

@@ -17,7 +17,7 @@ pub enum DeviceChoice {
 
 /// The text names no device.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("'{0}' is no device: give auto, cpu, cuda or cuda:N, such as cuda:1")]
+#[error("'{0}' is no device; expected auto, cpu, cuda or cuda:N, such as cuda:1")]
 pub struct ParseDeviceError(String);
 
 impl FromStr for DeviceChoice {

@@ -1,11 +1,11 @@
-//! What can go wrong with a device, as sentences.
+//! What can go wrong with a device, as sentences that state facts: what to do about them depends on who is told.
 
 /// Why a device cannot be used.
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 pub enum DeviceError {
     /// A shape that no kernel is compiled for.
-    #[error("blocks of {}x{} threads cannot be launched; give 1 to {most} threads, on a GPU a multiple of 32", block[0], block[1])]
+    #[error("blocks of {}x{} threads cannot be launched: a block has 1 to {most} threads, on a GPU a multiple of 32", block[0], block[1])]
     Block {
         /// Columns and rows.
         block: [u32; 2],
@@ -14,22 +14,19 @@ pub enum DeviceError {
     },
 
     /// No `libcuda` on this machine.
-    #[error(
-        "there is no CUDA driver on this machine (libcuda was not found); install NVIDIA's driver, in a container run \
-         with --gpus all, or use --device cpu"
-    )]
+    #[error("there is no CUDA driver on this machine (libcuda was not found)")]
     NoDriver,
     /// The driver is there and does not start.
-    #[error("the CUDA driver does not start: {reason}; `nvidia-smi` may say more, and --device cpu works without it")]
+    #[error("the CUDA driver does not start: {reason}")]
     Driver {
         /// The driver's words.
         reason: String,
     },
     /// The driver is there and has no device.
-    #[error("the CUDA driver finds no GPU; check `nvidia-smi` and CUDA_VISIBLE_DEVICES, or use --device cpu")]
+    #[error("the CUDA driver finds no GPU")]
     NoDevice,
     /// There are devices, but not this one.
-    #[error("there is no CUDA device {index}: this machine has {count}, counted from 0; `raywarp doctor` lists them")]
+    #[error("there is no CUDA device {index}: this machine has {count}, counted from 0")]
     NoSuchDevice {
         /// The index asked for.
         index: usize,
@@ -37,10 +34,7 @@ pub enum DeviceError {
         count: usize,
     },
     /// The GPU is older than the kernels.
-    #[error(
-        "{device} has compute capability {}.{}, and raywarp's kernels need 7.5 (Turing, 2018) or newer; use another \
-         GPU, or --device cpu", has.0, has.1
-    )]
+    #[error("{device} has compute capability {}.{}, and raywarp's kernels need 7.5 (Turing, 2018) or newer", has.0, has.1)]
     TooOld {
         /// The device.
         device: String,
@@ -48,10 +42,7 @@ pub enum DeviceError {
         has: (u32, u32),
     },
     /// The driver refuses the kernels.
-    #[error(
-        "the driver of {device} cannot load the kernel {kernel}: {reason}; the driver must be able to read PTX {isa}: \
-         update it, or use --device cpu"
-    )]
+    #[error("the driver of {device} cannot load the kernel {kernel}, which is PTX {isa}: {reason}")]
     Ptx {
         /// The device.
         device: String,
@@ -63,10 +54,7 @@ pub enum DeviceError {
         isa: String,
     },
     /// The scene or the picture does not fit.
-    #[error(
-        "{device} has not enough memory for {purpose}: {} needed, {} free; take a smaller scene or picture, or another \
-         device", gib(*needed), gib(*available)
-    )]
+    #[error("{device} has not enough memory for {purpose}: {} needed, {} free", gib(*needed), gib(*available))]
     Memory {
         /// The device.
         device: String,
@@ -78,7 +66,7 @@ pub enum DeviceError {
         available: u64,
     },
     /// An array with more items than a 32-bit index counts.
-    #[error("{len} items in one array are more than the {} that raywarp can index; split the scene", u32::MAX)]
+    #[error("{len} items in one array are more than the {} that raywarp can index", u32::MAX)]
     TooMany {
         /// How many.
         len: usize,
@@ -94,7 +82,7 @@ pub enum DeviceError {
         len: u32,
     },
     /// A buffer or a stream that the device cannot use.
-    #[error("the {what} belong to another device than {device}: make them with a handle of the device that uses them")]
+    #[error("the {what} belong to another device than {device}")]
     OtherDevice {
         /// The device.
         device: String,

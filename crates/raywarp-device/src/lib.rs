@@ -36,7 +36,7 @@ pub const MAX_BLOCK: u32 = 256;
 pub struct Device {
     machine: Machine,
     /// Why this is not a GPU although one was welcome.
-    fallback: Option<String>,
+    fallback: Option<DeviceError>,
     /// Columns and rows of a block, where they are not to be the usual ones.
     block: Option<[u32; 2]>,
 }
@@ -67,7 +67,7 @@ impl Device {
             DeviceChoice::Cuda(index) => (Machine::Cuda(cuda::Cuda::open(index, modules)?), None),
             DeviceChoice::Auto => match cuda::Cuda::open_any(modules) {
                 Ok(gpu) => (Machine::Cuda(gpu), None),
-                Err(error) => (Machine::Cpu, Some(error.to_string())),
+                Err(error) => (Machine::Cpu, Some(error)),
             },
         };
         Ok(Self { machine, fallback, block: None })
@@ -124,8 +124,8 @@ impl Device {
     }
 
     /// Why a CPU stands in for a GPU, where `Auto` chose.
-    pub fn fallback(&self) -> Option<&str> {
-        self.fallback.as_deref()
+    pub fn fallback(&self) -> Option<&DeviceError> {
+        self.fallback.as_ref()
     }
 
     /// Whether this is a CUDA device.

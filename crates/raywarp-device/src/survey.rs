@@ -23,7 +23,7 @@ pub struct DriverInfo {
 /// A CUDA device.
 #[derive(Debug)]
 pub struct DeviceInfo {
-    /// N of `--device cuda:N`.
+    /// N of `cuda:N`.
     pub index: usize,
     /// The product's name.
     pub name: String,

@@ -3,7 +3,7 @@
 /// A camera, looking from `eye` at `target`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// Name in the file, for `--camera`.
+    /// Name in the file, by which it is chosen.
     pub name: String,
     /// World position of the pinhole.
     pub eye: [f32; 3],

@@ -23,7 +23,7 @@ pub struct Viewpoint {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "there is no camera '{wanted}'; {}",
-    if names.is_empty() { "the scene has none: leave --camera out, or give --eye".to_owned() }
+    if names.is_empty() { "the scene has none".to_owned() }
     else { format!("the scene has {}", names.join(", ")) }
 )]
 pub struct UnknownCamera {
@@ -96,7 +96,7 @@ mod tests {
         assert_eq!(chosen("3"), Err("there is no camera '3'; the scene has 0 'door', 1 '0', 2 ''".to_owned()));
         assert_eq!(Viewpoint::default().of(&cameras, &camera("usual")), Ok(camera("usual")));
         let none = Viewpoint { camera: Some("x".to_owned()), ..Viewpoint::default() }.of(&[], &camera("usual"));
-        assert!(none.unwrap_err().to_string().ends_with("the scene has none: leave --camera out, or give --eye"));
+        assert!(none.unwrap_err().to_string().ends_with("; the scene has none"));
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! What can go wrong with a window.
 
+use raywarp_cli::advice::Advise;
+use raywarp_cli::failure::Exit;
 use raywarp_viewer::ViewerError;
 
 /// Why there is no window, or none any more.
@@ -34,6 +36,24 @@ pub enum WindowError {
     /// The viewer fails.
     #[error(transparent)]
     Viewer(#[from] ViewerError),
+}
+
+impl Advise for WindowError {
+    fn advice(&self) -> Option<String> {
+        if let Self::Viewer(error) = self {
+            error.advice()
+        } else {
+            None
+        }
+    }
+
+    fn exit(&self) -> Exit {
+        if let Self::Viewer(error) = self {
+            error.exit()
+        } else {
+            Exit::Usage
+        }
+    }
 }
 
 /// What winit says, without the lines of its source that it puts first.

@@ -32,14 +32,14 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use raywarp::device::Device;
+use raywarp_cli::failure::Result;
 use raywarp_cli::interrupt::Interrupt;
+use raywarp_cli::messages;
 use raywarp_cli::options::ViewOptions;
 use raywarp_cli::render::limit_threads;
-use raywarp_cli::{failure, messages};
 use raywarp_viewer::live::{LiveScene, Viewer};
 
 use display::{Display, WindowOptions};
-use error::WindowError;
 
 /// Walk through a scene in a window
 #[derive(Debug, Parser)]
@@ -52,12 +52,12 @@ struct Options {
 fn main() -> ExitCode {
     match run(&Options::parse().view) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => failure::exit_code(&error),
+        Err(failure) => failure.tell(),
     }
 }
 
 /// Shows a scene in a window until it is closed.
-fn run(options: &ViewOptions) -> anyhow::Result<()> {
+fn run(options: &ViewOptions) -> Result<()> {
     let display = Display::open()?;
     let interrupt = Interrupt::install();
     let folder = std::env::current_dir()?;
@@ -71,13 +71,5 @@ fn run(options: &ViewOptions) -> anyhow::Result<()> {
         keep::keep(&folder, name, content, files)
     };
     let window = WindowOptions { size: options.size, fullscreen: options.fullscreen, keep: Box::new(keep) };
-    display.show(live_scene, Viewer::new(options.size), window).map_err(cause)
-}
-
-/// What the viewer says, where it is that: the exit code depends on it.
-fn cause(error: WindowError) -> anyhow::Error {
-    match error {
-        WindowError::Viewer(error) => error.into(),
-        error => error.into(),
-    }
+    Ok(display.show(live_scene, Viewer::new(options.size), window)?)
 }

@@ -6,10 +6,11 @@ use raywarp::render::{world_triangles, Tracer};
 use raywarp::scene::Scene;
 use raywarp::{Ray, Triangle};
 use raywarp_cli::bench::{self, BenchOptions, Built, Structures};
+use raywarp_cli::failure::Result;
 use raywarp_lab::structures::{Build, StructureKind, Tree};
 
 /// Measures what the options ask for.
-pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
+pub fn run(options: &BenchOptions) -> Result<()> {
     bench::run_with(options, &Every)
 }
 
@@ -17,15 +18,15 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
 struct Every;
 
 impl Structures for Every {
-    fn open(&self, choice: DeviceChoice) -> anyhow::Result<Device> {
+    fn open(&self, choice: DeviceChoice) -> Result<Device> {
         Ok(raywarp_lab::open(choice)?)
     }
 
-    fn is_hierarchy(&self, name: &str) -> anyhow::Result<bool> {
+    fn is_hierarchy(&self, name: &str) -> Result<bool> {
         Ok(name.parse::<StructureKind>()?.is_hierarchy())
     }
 
-    fn build(&self, name: &str, quality: Quality, triangles: &[Triangle], device: &Device) -> anyhow::Result<Built> {
+    fn build(&self, name: &str, quality: Quality, triangles: &[Triangle], device: &Device) -> Result<Built> {
         let tree = Tree::build(Build { kind: name.parse()?, quality }, triangles.to_vec())?;
         let (caster, stats) = (tree.caster(device)?, tree.stats());
         let triangle_bytes = size_of_val(&*tree.triangles());
@@ -33,7 +34,7 @@ impl Structures for Every {
         Ok(Built { caster, stats, triangle_bytes, tests })
     }
 
-    fn tracer(&self, name: &str, scene: &Scene, device: &Device) -> anyhow::Result<Tracer> {
+    fn tracer(&self, name: &str, scene: &Scene, device: &Device) -> Result<Tracer> {
         let mut tracer = Tracer::new(scene, AccelKind::Bvh2, device)?;
         let triangles = world_triangles(scene, &scene.instances, &scene.materials)?;
         let build = Build::from(name.parse::<StructureKind>()?);

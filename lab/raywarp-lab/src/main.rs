@@ -7,7 +7,6 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use raywarp_cli::bench::BenchOptions;
-use raywarp_cli::failure;
 use raywarp_lab::structures::StructureKind;
 
 use study::StudyOptions;
@@ -49,7 +48,7 @@ fn main() -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => failure::exit_code(&error),
+        Err(failure) => failure.tell(),
     }
 }
 

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use anyhow::Context;
 use raywarp::accel::Quality;
 use raywarp::device::Device;
 use raywarp::query::{opaque_triangles, Answers, Cost, RayKind, RaySource, Timed, Workload};
@@ -16,6 +15,7 @@ use super::peers::Peer;
 use super::results::{differing, Agreement, PeerRow, Results, Row, Speed, Task};
 use super::structures::{Built, Structures};
 use super::suite::Subject;
+use crate::failure::{ensure, Context, Result};
 use crate::messages;
 
 /// Rays of a kind that are counted at most.
@@ -58,9 +58,9 @@ impl Contest<'_> {
     ///
     /// # Errors
     /// The scene is empty or has no view, or the device fails. A peer that fails is noted, and out.
-    pub fn measure(&mut self, subject: &Subject, scene: &Scene, results: &mut Results) -> anyhow::Result<()> {
+    pub fn measure(&mut self, subject: &Subject, scene: &Scene, results: &mut Results) -> Result<()> {
         let triangles = opaque_triangles(scene)?;
-        anyhow::ensure!(!triangles.is_empty(), "the scene '{}' has no triangle that a ray can hit", subject.name);
+        ensure!(!triangles.is_empty(), "the scene '{}' has no triangle that a ray can hit", subject.name);
         let camera = subject.view.adjust(default_camera(scene, &triangles));
         let source = RaySource::new(&triangles, &camera, results.size)?;
         let entrants = self.entrants(&subject.name, &triangles)?;
@@ -84,7 +84,7 @@ impl Contest<'_> {
     }
 
     /// Builds every structure and copies it to the device.
-    fn entrants(&self, scene: &str, triangles: &[Triangle]) -> anyhow::Result<Vec<Entrant>> {
+    fn entrants(&self, scene: &str, triangles: &[Triangle]) -> Result<Vec<Entrant>> {
         let entrant = |(name, quality): &(String, Quality)| {
             messages::line(&format!("{scene}: building {name}, {quality} ..."));
             let built = self.structures.build(name, *quality, triangles, self.device)?;
@@ -94,7 +94,7 @@ impl Contest<'_> {
     }
 
     /// Has the peers build their trees.
-    fn show_scene(&mut self, triangles: &[Triangle], results: &mut Results) -> anyhow::Result<()> {
+    fn show_scene(&mut self, triangles: &[Triangle], results: &mut Results) -> Result<()> {
         if !self.peers.is_empty() {
             write_scene(self.folder, triangles).context("cannot write the scene for the peers")?;
         }
@@ -104,27 +104,21 @@ impl Contest<'_> {
     }
 
     /// Asks every peer for something. Those that fail are noted, and out.
-    fn ask_peers(&mut self, results: &mut Results, mut ask: impl FnMut(&mut Peer) -> anyhow::Result<()>) {
+    fn ask_peers(&mut self, results: &mut Results, mut ask: impl FnMut(&mut Peer) -> Result<()>) {
         self.peers.retain_mut(|peer| {
             let done = ask(peer);
             if let Err(error) = &done {
-                results.note(&peer.about.name, format!("it failed, and is left out from here on: {error:#}"));
+                results.note(&peer.about.name, format!("it failed, and is left out from here on: {error}"));
             }
             done.is_ok()
         });
     }
 
     /// Has everyone answer the same rays.
-    fn race(
-        &mut self,
-        task: &Task,
-        workload: &Workload,
-        entrants: &[Entrant],
-        results: &mut Results,
-    ) -> anyhow::Result<()> {
+    fn race(&mut self, task: &Task, workload: &Workload, entrants: &[Entrant], results: &mut Results) -> Result<()> {
         messages::line(&format!("{}: {} {} rays ...", task.scene, task.count, task.rays));
         let runner = |entrant| Runner::new(entrant, task, workload);
-        let mut runners = entrants.iter().map(runner).collect::<anyhow::Result<Vec<_>>>()?;
+        let mut runners = entrants.iter().map(runner).collect::<Result<Vec<_>>>()?;
         if !self.peers.is_empty() {
             write_rays(self.folder, &workload.rays).context("cannot write the rays for the peers")?;
         }
@@ -165,11 +159,11 @@ impl Contest<'_> {
 }
 
 impl<'a> Runner<'a> {
-    fn new(entrant: &'a Entrant, task: &Task, workload: &Workload) -> anyhow::Result<Self> {
+    fn new(entrant: &'a Entrant, task: &Task, workload: &Workload) -> Result<Self> {
         Ok(Self { entrant, batch: entrant.built.caster.timed(&workload.rays, task.any_hit)?, seconds: Vec::new() })
     }
 
-    fn finish(mut self, task: &Task) -> anyhow::Result<(Row, Answers)> {
+    fn finish(mut self, task: &Task) -> Result<(Row, Answers)> {
         let kernel = self.batch.kernel_info()?;
         let answers = self.batch.answers()?;
         let Entrant { name, quality, built: Built { stats, triangle_bytes, .. } } = self.entrant;
@@ -193,10 +187,10 @@ impl<'a> Runner<'a> {
 }
 
 /// The row of a peer's fastest variant.
-fn peer_row(peer: &mut Peer, task: &Task, answers: &Answers, folder: &Path) -> anyhow::Result<Option<PeerRow>> {
+fn peer_row(peer: &mut Peer, task: &Task, answers: &Answers, folder: &Path) -> Result<Option<PeerRow>> {
     let Some(fastest) = peer.fastest() else { return Ok(None) };
     let distances = peer.answers(fastest, folder)?;
-    anyhow::ensure!(distances.len() == task.count, "it has {} answers to {} rays", distances.len(), task.count);
+    ensure!(distances.len() == task.count, "it has {} answers to {} rays", distances.len(), task.count);
     let variant = &peer.variants[fastest];
     Ok(Some(PeerRow {
         task: task.clone(),

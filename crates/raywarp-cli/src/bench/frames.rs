@@ -12,6 +12,7 @@ use super::options::BenchOptions;
 use super::spread::Spread;
 use super::structures::{fastest_on, Structures};
 use super::suite::BUILT_IN;
+use crate::failure::{ensure, Result};
 use crate::interrupt::Interrupt;
 use crate::messages;
 use crate::output::to_standard_output;
@@ -45,8 +46,8 @@ struct Row {
 }
 
 /// Times every structure on a scene.
-pub fn run(options: &BenchOptions, structures: &dyn Structures) -> anyhow::Result<()> {
-    anyhow::ensure!(
+pub fn run(options: &BenchOptions, structures: &dyn Structures) -> Result<()> {
+    ensure!(
         options.subjects.scenes.len() < 2,
         "--frames takes one scene, and there are {}",
         options.subjects.scenes.len()
@@ -76,17 +77,11 @@ impl Bench {
         }
     }
 
-    fn measure(
-        &mut self,
-        accel: &str,
-        scene: &Scene,
-        structures: &dyn Structures,
-        device: &Device,
-    ) -> anyhow::Result<()> {
+    fn measure(&mut self, accel: &str, scene: &Scene, structures: &dyn Structures, device: &Device) -> Result<()> {
         let tracer = structures.tracer(accel, scene, device)?;
         self.triangles = tracer.report().triangles;
         let camera = tracer.default_camera();
-        let render = |max_depth, shadows, count_tests| -> anyhow::Result<Rendering> {
+        let render = |max_depth, shadows, count_tests| -> Result<Rendering> {
             let picture = RenderOptions { size: self.size, max_depth, shadows, count_tests, ..Default::default() };
             Ok(tracer.render(camera, &picture, &mut |_| ())?)
         };
@@ -95,7 +90,7 @@ impl Bench {
             // The counting run compiles and warms up; its own time does not count.
             let counted = render(max_depth, shadows, true)?;
             render(max_depth, shadows, false)?;
-            let times: anyhow::Result<Vec<f64>> =
+            let times: Result<Vec<f64>> =
                 (0..self.repeats).map(|_| Ok(render(max_depth, shadows, false)?.kernel_seconds * 1e3)).collect();
             let kernel_ms = Spread::of(times?);
             let tests = TestCounts::new(&counted, kernel_ms.median * 1e-3);

@@ -4,6 +4,8 @@
 //! them, `results` is what came of it and `table` how people read it. `frames` times whole pictures instead, and
 //! `live` the viewer.
 
+use crate::failure::Result;
+
 mod contest;
 mod exchange;
 mod frames;
@@ -25,12 +27,12 @@ pub use structures::{Built, Own, Structures};
 pub use suite::{subjects, Subject, SubjectOptions};
 
 /// Measures what the options ask for.
-pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
+pub fn run(options: &BenchOptions) -> Result<()> {
     run_with(options, &Own)
 }
 
 /// The same over these structures; the viewer has its own.
-pub fn run_with(options: &BenchOptions, structures: &dyn Structures) -> anyhow::Result<()> {
+pub fn run_with(options: &BenchOptions, structures: &dyn Structures) -> Result<()> {
     options.layout.iter().try_for_each(|name| structures.is_hierarchy(name).map(drop))?;
     if options.frames {
         frames::run(options, structures)

@@ -8,6 +8,7 @@ use raywarp::device::DeviceChoice;
 use raywarp::query::RayKind;
 
 use super::suite::SubjectOptions;
+use crate::failure::{ensure, Result};
 use crate::options::DEVICES;
 use crate::values;
 
@@ -110,8 +111,8 @@ impl BenchOptions {
     ///
     /// # Errors
     /// Where there are several.
-    pub fn one_size(&self) -> anyhow::Result<[u32; 2]> {
-        anyhow::ensure!(self.size.len() < 2, "only --live takes several sizes, and --size has {}", self.size.len());
+    pub fn one_size(&self) -> Result<[u32; 2]> {
+        ensure!(self.size.len() < 2, "only --live takes several sizes, and --size has {}", self.size.len());
         Ok(self.size.first().copied().unwrap_or(FULL_HD))
     }
 

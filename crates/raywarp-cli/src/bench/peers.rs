@@ -4,7 +4,6 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-use anyhow::Context;
 use raywarp::device::Device;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -12,6 +11,8 @@ use serde_json::{json, Value};
 
 use super::exchange::read_distances;
 use super::spread::Spread;
+
+use crate::failure::{ensure, fail, Context, Result};
 
 /// What the Python runs.
 const SCRIPT: &str = include_str!("peers.py");
@@ -51,7 +52,7 @@ pub struct Variant {
 }
 
 /// A path as JSON holds it.
-fn text(path: &Path) -> anyhow::Result<&str> {
+fn text(path: &Path) -> Result<&str> {
     path.to_str().with_context(|| format!("the folder for temporary files, {}, is not UTF-8 text", path.display()))
 }
 
@@ -60,7 +61,7 @@ impl Peer {
     ///
     /// # Errors
     /// Why it does not run.
-    pub fn start(python: &Path, folder: &Path, name: &str, device: &Device) -> anyhow::Result<Self> {
+    pub fn start(python: &Path, folder: &Path, name: &str, device: &Device) -> Result<Self> {
         let script = folder.join("peers.py");
         std::fs::write(&script, SCRIPT).with_context(|| format!("cannot write {}", script.display()))?;
         let device = device.cuda_index().map_or("cpu".to_owned(), |index| format!("cuda:{index}"));
@@ -76,7 +77,7 @@ impl Peer {
     }
 
     /// Has it read the scene in a folder and build its trees.
-    pub fn scene(&mut self, folder: &Path) -> anyhow::Result<()> {
+    pub fn scene(&mut self, folder: &Path) -> Result<()> {
         #[derive(Deserialize)]
         struct Reply {
             variants: Vec<Variant>,
@@ -86,13 +87,13 @@ impl Peer {
     }
 
     /// Has it read the rays in a folder.
-    pub fn rays(&mut self, folder: &Path, any_hit: bool) -> anyhow::Result<()> {
+    pub fn rays(&mut self, folder: &Path, any_hit: bool) -> Result<()> {
         self.variants.iter_mut().for_each(|variant| variant.seconds.clear());
         self.ask::<Value>(json!({"do": "rays", "folder": text(folder)?, "any_hit": any_hit})).map(drop)
     }
 
     /// Times every variant, and keeps the seconds.
-    pub fn time(&mut self, warmup: u32, repeats: u32) -> anyhow::Result<()> {
+    pub fn time(&mut self, warmup: u32, repeats: u32) -> Result<()> {
         #[derive(Deserialize)]
         struct Reply {
             seconds: Vec<f64>,
@@ -112,25 +113,25 @@ impl Peer {
     }
 
     /// Distance of each ray's hit, infinite for a miss; 0 for a hit where any would do.
-    pub fn answers(&mut self, variant: usize, folder: &Path) -> anyhow::Result<Vec<f32>> {
+    pub fn answers(&mut self, variant: usize, folder: &Path) -> Result<Vec<f32>> {
         let file = folder.join("answers");
         self.ask::<Value>(json!({"do": "answers", "variant": variant, "file": text(&file)?}))?;
         read_distances(&file).with_context(|| format!("cannot read {}", file.display()))
     }
 
-    fn ask<T: DeserializeOwned>(&mut self, order: Value) -> anyhow::Result<T> {
+    fn ask<T: DeserializeOwned>(&mut self, order: Value) -> Result<T> {
         let orders = self.orders.as_mut().context("it has ended")?;
         writeln!(orders, "{order}").and_then(|()| orders.flush()).context("it does not listen")?;
         self.reply()
     }
 
-    fn reply<T: DeserializeOwned>(&mut self) -> anyhow::Result<T> {
+    fn reply<T: DeserializeOwned>(&mut self) -> Result<T> {
         let mut line = String::new();
         self.replies.read_line(&mut line).context("it does not answer")?;
-        anyhow::ensure!(!line.is_empty(), "it ended before it answered");
+        ensure!(!line.is_empty(), "it ended before it answered");
         let reply: Value = serde_json::from_str(&line).context("its answer is no JSON")?;
         if let Some(reason) = ["missing", "failed"].iter().find_map(|key| reply.get(key)?.as_str()) {
-            anyhow::bail!("{reason}");
+            fail!("{reason}");
         }
         serde_json::from_value(reply).context("its answer is not what was asked for")
     }

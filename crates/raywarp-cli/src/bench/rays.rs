@@ -1,6 +1,5 @@
 //! `raywarp bench`: rays a second.
 
-use anyhow::Context;
 use raywarp::accel::Quality;
 use raywarp::query::RayKind;
 
@@ -11,6 +10,7 @@ use super::peers::Peer;
 use super::results::Results;
 use super::structures::{fastest_on, Structures};
 use super::suite::subjects;
+use crate::failure::{ensure, Context, Result};
 use crate::interrupt::Interrupt;
 use crate::messages;
 use crate::output::to_standard_output;
@@ -20,7 +20,7 @@ use crate::render::{limit_threads, read};
 const REPEATS: u32 = 20;
 
 /// Measures every scene that the options name.
-pub fn run(options: &BenchOptions, structures: &dyn Structures) -> anyhow::Result<()> {
+pub fn run(options: &BenchOptions, structures: &dyn Structures) -> Result<()> {
     let interrupt = Interrupt::install();
     let mut outputs = to_standard_output()?;
     outputs.reads(&options.subjects.suite)?;
@@ -64,7 +64,7 @@ pub fn run(options: &BenchOptions, structures: &dyn Structures) -> anyhow::Resul
 }
 
 /// Every structure with every quality that it has.
-fn builds(options: &BenchOptions, contest: &Contest) -> anyhow::Result<Vec<(String, Quality)>> {
+fn builds(options: &BenchOptions, contest: &Contest) -> Result<Vec<(String, Quality)>> {
     let fastest = [fastest_on(contest.device).to_owned()];
     let layouts = if options.layout.is_empty() { &fastest[..] } else { &options.layout[..] };
     let mut builds = Vec::new();
@@ -80,16 +80,16 @@ fn builds(options: &BenchOptions, contest: &Contest) -> anyhow::Result<Vec<(Stri
 fn peers(options: &BenchOptions, contest: &Contest, results: &mut Results) -> Vec<Peer> {
     let start = |name: &String| {
         let started = Peer::start(&options.python, contest.folder, name, contest.device);
-        started.map_err(|error| results.note(name, format!("left out: {error:#}"))).ok()
+        started.map_err(|error| results.note(name, format!("left out: {error}"))).ok()
     };
     options.peers.iter().filter_map(start).collect()
 }
 
 /// Prints the results, and says what is wrong with them.
-fn conclude(options: &BenchOptions, results: &Results) -> anyhow::Result<()> {
-    anyhow::ensure!(!results.rows.is_empty(), "nothing was measured; the notes above say why");
+fn conclude(options: &BenchOptions, results: &Results) -> Result<()> {
+    ensure!(!results.rows.is_empty(), "nothing was measured; the notes above say why");
     messages::results(results, options.json, || results.table())?;
     let differ: usize = results.rows.iter().map(|row| row.differ).sum();
-    anyhow::ensure!(differ == 0, "{differ} answers differ between structures: one of them is wrong; report it");
+    ensure!(differ == 0, "{differ} answers differ between structures: one of them is wrong; report it");
     Ok(())
 }

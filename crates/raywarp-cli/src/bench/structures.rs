@@ -7,31 +7,33 @@ use raywarp::render::Tracer;
 use raywarp::scene::Scene;
 use raywarp::{Ray, Triangle};
 
+use crate::failure::Result;
+
 /// Structures by name.
 pub trait Structures {
     /// A device that has their kernels.
     ///
     /// # Errors
     /// As for [`Device::open`].
-    fn open(&self, choice: DeviceChoice) -> anyhow::Result<Device>;
+    fn open(&self, choice: DeviceChoice) -> Result<Device>;
 
     /// Whether a structure comes in several qualities.
     ///
     /// # Errors
     /// There is none of this name.
-    fn is_hierarchy(&self, name: &str) -> anyhow::Result<bool>;
+    fn is_hierarchy(&self, name: &str) -> Result<bool>;
 
     /// Builds one, and copies it to a device.
     ///
     /// # Errors
     /// The structure cannot hold the triangles, or the device cannot trace it.
-    fn build(&self, name: &str, quality: Quality, triangles: &[Triangle], device: &Device) -> anyhow::Result<Built>;
+    fn build(&self, name: &str, quality: Quality, triangles: &[Triangle], device: &Device) -> Result<Built>;
 
     /// A scene before one.
     ///
     /// # Errors
     /// As for [`build`](Self::build).
-    fn tracer(&self, name: &str, scene: &Scene, device: &Device) -> anyhow::Result<Tracer>;
+    fn tracer(&self, name: &str, scene: &Scene, device: &Device) -> Result<Tracer>;
 }
 
 /// A structure over triangles, on a device.
@@ -53,21 +55,21 @@ pub type Count = dyn Fn(&[Ray], bool, usize) -> Vec<Tests>;
 pub struct Own;
 
 impl Own {
-    fn kind(name: &str) -> anyhow::Result<AccelKind> {
+    fn kind(name: &str) -> Result<AccelKind> {
         Ok(name.parse()?)
     }
 }
 
 impl Structures for Own {
-    fn open(&self, choice: DeviceChoice) -> anyhow::Result<Device> {
+    fn open(&self, choice: DeviceChoice) -> Result<Device> {
         Ok(Device::open(choice)?)
     }
 
-    fn is_hierarchy(&self, name: &str) -> anyhow::Result<bool> {
+    fn is_hierarchy(&self, name: &str) -> Result<bool> {
         Ok(Self::kind(name)?.is_hierarchy())
     }
 
-    fn build(&self, name: &str, quality: Quality, triangles: &[Triangle], device: &Device) -> anyhow::Result<Built> {
+    fn build(&self, name: &str, quality: Quality, triangles: &[Triangle], device: &Device) -> Result<Built> {
         let build = Build { kind: Self::kind(name)?, quality, cached: false };
         let accel = Accel::build(build, triangles.to_vec())?;
         let (caster, stats) = (RayCaster::of(&accel, device)?, accel.stats());
@@ -76,7 +78,7 @@ impl Structures for Own {
         Ok(Built { caster, stats, triangle_bytes, tests: Box::new(count) })
     }
 
-    fn tracer(&self, name: &str, scene: &Scene, device: &Device) -> anyhow::Result<Tracer> {
+    fn tracer(&self, name: &str, scene: &Scene, device: &Device) -> Result<Tracer> {
         Ok(Tracer::new(scene, Self::kind(name)?, device)?)
     }
 }

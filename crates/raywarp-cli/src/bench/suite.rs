@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use clap::{Args, ValueHint};
 use raywarp::scene::{LoadError, Viewpoint};
 use serde::Deserialize;
 
+use crate::failure::{ensure, Context, Failure, Result};
 use crate::values;
 
 /// Which scenes to measure.
@@ -22,7 +22,7 @@ pub struct SubjectOptions {
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
     #[arg(help_heading = "Scene")]
     pub eye: Option<[f32; 3]>,
-    /// ViewSettings at this point
+    /// Look at this point
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
     #[arg(help_heading = "Scene")]
     pub target: Option<[f32; 3]>,
@@ -102,17 +102,17 @@ struct Entry {
 ///
 /// # Errors
 /// A suite that cannot be read, a scene that it does not have, one camera for several scenes.
-pub fn subjects(options: &SubjectOptions) -> anyhow::Result<Vec<Subject>> {
+pub fn subjects(options: &SubjectOptions) -> Result<Vec<Subject>> {
     match &options.suite {
         Some(suite) => of_suite(suite, options),
         None => of_files(options),
     }
 }
 
-fn of_files(options: &SubjectOptions) -> anyhow::Result<Vec<Subject>> {
+fn of_files(options: &SubjectOptions) -> Result<Vec<Subject>> {
     let view = options.view();
     let particular = options.name.is_some() || view != Viewpoint::default();
-    anyhow::ensure!(
+    ensure!(
         options.scenes.len() < 2 || !particular,
         "--name, --eye, --target, --up and --fov are for one scene, and there are {}; measure them one by one, or write \
          a suite (see --suite)",
@@ -129,7 +129,7 @@ fn of_files(options: &SubjectOptions) -> anyhow::Result<Vec<Subject>> {
     })
 }
 
-fn of_suite(path: &Path, options: &SubjectOptions) -> anyhow::Result<Vec<Subject>> {
+fn of_suite(path: &Path, options: &SubjectOptions) -> Result<Vec<Subject>> {
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read the suite {}", path.display()))?;
     let help = "docs/bench/suite.toml is an example.";
     let suite: Suite = toml::from_str(&text).map_err(|error| LoadError::of_toml(path, &text, &error, help))?;
@@ -138,17 +138,17 @@ fn of_suite(path: &Path, options: &SubjectOptions) -> anyhow::Result<Vec<Subject
     for name in &options.only {
         let known = || suite.scenes.iter().map(|entry| entry.name.as_str()).collect::<Vec<_>>().join(", ");
         let found = suite.scenes.iter().any(|entry| entry.name == *name);
-        anyhow::ensure!(found, "the suite {} has no scene '{name}'; it has {}", path.display(), known());
+        ensure!(found, "the suite {} has no scene '{name}'; it has {}", path.display(), known());
     }
     let wanted = |entry: &Entry| options.only.is_empty() || options.only.contains(&entry.name);
     suite.scenes.into_iter().filter(wanted).map(|entry| entry.subject(models)).collect()
 }
 
 impl Entry {
-    fn subject(self, models: &Path) -> anyhow::Result<Subject> {
+    fn subject(self, models: &Path) -> Result<Subject> {
         if let Some(fov) = self.fov {
             let checked = values::field_of_view(&fov.to_string());
-            checked.map_err(|reason| anyhow::anyhow!("the fov of '{}' is {fov}: {reason}", self.name))?;
+            checked.map_err(|reason| Failure::new(format_args!("the fov of '{}' is {fov}: {reason}", self.name)))?;
         }
         let (eye, target, up, fov) = (self.eye, self.target, self.up, self.fov);
         let view = Viewpoint { eye, target, up, fov, ..Viewpoint::default() };

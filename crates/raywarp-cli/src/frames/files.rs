@@ -3,12 +3,12 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use raywarp::image::{png, probe, Format, Found, Layer, Rgb8};
 use raywarp::write::{self, Outputs};
 
 use super::names::Template;
 use super::range::Range;
+use crate::failure::{ensure, Context, Result};
 use crate::messages;
 use crate::options::RenderOptions;
 use crate::output::{add_statistics, Plan};
@@ -31,13 +31,13 @@ impl FrameFiles {
     ///
     /// # Errors
     /// For names without a place for the number of the frame.
-    pub fn new(options: &RenderOptions) -> anyhow::Result<Self> {
+    pub fn new(options: &RenderOptions) -> Result<Self> {
         let outputs = match options.output.as_slice() {
             [] if options.frames.animation.is_some() => Vec::new(),
             [] => vec![PathBuf::from(USUAL)],
             given => given.to_owned(),
         };
-        anyhow::ensure!(
+        ensure!(
             options.aov.is_empty() || !outputs.is_empty(),
             "--aov goes into picture files or beside them, and an animation holds the picture alone: give -o too"
         );
@@ -53,7 +53,7 @@ impl FrameFiles {
     ///
     /// # Errors
     /// Where they contradict each other.
-    pub fn plan(&self, frame: u32) -> anyhow::Result<Plan> {
+    pub fn plan(&self, frame: u32) -> Result<Plan> {
         let outputs: Vec<_> = self.outputs.iter().map(|name| name.path(frame)).collect();
         Plan::of(&outputs, self.heatmap.as_ref().map(|name| name.path(frame)), &self.layers)
     }
@@ -63,7 +63,7 @@ impl FrameFiles {
     ///
     /// # Errors
     /// Where one does not, and where one is read.
-    pub fn check(&self, range: Range, options: &RenderOptions, run: &mut Outputs) -> anyhow::Result<()> {
+    pub fn check(&self, range: Range, options: &RenderOptions, run: &mut Outputs) -> Result<()> {
         options.frames.animation.iter().try_for_each(|path| run.add(path))?;
         let mut directories = HashSet::new();
         for (index, frame) in range.frames().enumerate() {
@@ -98,7 +98,7 @@ pub enum There {
 /// # Errors
 /// For a picture of another size that does not say how it was made: somebody may miss it. And for one that cannot be
 /// read.
-pub fn there(plan: &Plan, size: [u32; 2], fingerprint: &str, shown: bool) -> anyhow::Result<There> {
+pub fn there(plan: &Plan, size: [u32; 2], fingerprint: &str, shown: bool) -> Result<There> {
     let layers = plan.layer_pictures().map(|path| (path, Format::Png));
     let pictures = plan.pictures().iter().map(|(path, format)| (path.as_path(), *format)).chain(layers);
     let mut there = if shown && shown_in(plan).is_none() { There::Part } else { There::All };
@@ -114,11 +114,11 @@ pub fn there(plan: &Plan, size: [u32; 2], fingerprint: &str, shown: bool) -> any
     Ok(if files == 0 { There::Part } else { there })
 }
 
-fn file_there(path: &Path, format: Format, size: Option<[u32; 2]>, fingerprint: &str) -> anyhow::Result<There> {
+fn file_there(path: &Path, format: Format, size: Option<[u32; 2]>, fingerprint: &str) -> Result<There> {
     let found = probe(path, format).with_context(|| format!("cannot read {}", path.display()))?;
     let Some(Found { size: [width, height], fingerprint: made_of }) = found else { return Ok(There::Part) };
     if let (Some(wanted), None) = (size, &made_of) {
-        anyhow::ensure!(
+        ensure!(
             wanted == [width, height],
             "{} is there, of {width}x{height} pixels instead of {}x{}: render into another place, or give \
              --overwrite",
@@ -139,7 +139,7 @@ fn shown_in(plan: &Plan) -> Option<&Path> {
 ///
 /// # Errors
 /// Where it has gone or is no PNG within.
-pub fn read_back(plan: &Plan) -> anyhow::Result<Rgb8> {
+pub fn read_back(plan: &Plan) -> Result<Rgb8> {
     let path = shown_in(plan).context("the frame has no PNG")?;
     png::read(path).context("give --overwrite to render it anew")
 }

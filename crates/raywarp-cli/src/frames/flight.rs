@@ -5,6 +5,7 @@ use raywarp::scene::{Camera, CameraPath, Viewpoint};
 
 use super::orbit::{nearest_in_sight, Orbit};
 use super::range::Range;
+use crate::failure::{Context, Failure, Result};
 use crate::render::Setup;
 
 /// A camera in motion.
@@ -54,11 +55,9 @@ impl Flight {
     ///
     /// # Errors
     /// For the first frame that cannot.
-    pub fn check(&self, frames: Range) -> anyhow::Result<()> {
+    pub fn check(&self, frames: Range) -> Result<()> {
         for frame in frames.frames() {
-            if let Err(error) = check_camera(&self.camera(frame)) {
-                anyhow::bail!("frame {frame}: {error}");
-            }
+            check_camera(&self.camera(frame)).with_context(|| format!("frame {frame}"))?;
         }
         Ok(())
     }
@@ -84,17 +83,17 @@ fn middle([low, high]: [[f32; 3]; 2]) -> [f32; 3] {
 ///
 /// # Errors
 /// Where there is none such, with the names of those that there are.
-pub fn named<'a>(paths: &'a [CameraPath], wanted: &str) -> anyhow::Result<&'a CameraPath> {
+pub fn named<'a>(paths: &'a [CameraPath], wanted: &str) -> Result<&'a CameraPath> {
     let by_name = paths.iter().find(|path| path.name() == wanted);
     let by_index = || wanted.parse::<usize>().ok().and_then(|index| paths.get(index));
     by_name.or_else(by_index).ok_or_else(|| {
         let names: Vec<_> = paths.iter().enumerate().map(|(i, path)| format!("{i} '{}'", path.name())).collect();
         match paths {
-            [] => anyhow::anyhow!(
+            [] => Failure::new(format_args!(
                 "there is no camera path '{wanted}': the scene has none; write [[paths]] into a scene file, or take \
                  --orbit"
-            ),
-            _ => anyhow::anyhow!("there is no camera path '{wanted}'; the scene has {}", names.join(", ")),
+            )),
+            _ => Failure::new(format_args!("there is no camera path '{wanted}'; the scene has {}", names.join(", "))),
         }
     })
 }

@@ -18,6 +18,7 @@ use raywarp::render;
 use raywarp::scene::Camera;
 use raywarp::write::Outputs;
 
+use crate::failure::Result;
 use crate::interrupt::Interrupt;
 use crate::limits;
 use crate::messages;
@@ -34,7 +35,7 @@ pub use options::FrameOptions;
 use range::Range;
 
 /// Renders frames of a flight to files.
-pub fn run(options: &RenderOptions, range: Range) -> anyhow::Result<()> {
+pub fn run(options: &RenderOptions, range: Range) -> Result<()> {
     let interrupt = Interrupt::install();
     let whole = range.whole(options.frames.of)?;
     let mut outputs = Outputs::default();
@@ -70,12 +71,7 @@ pub fn run(options: &RenderOptions, range: Range) -> anyhow::Result<()> {
 }
 
 /// The names of the frames' files, once it is known that they can be written.
-fn name(
-    options: &RenderOptions,
-    range: Range,
-    outputs: &mut Outputs,
-    interrupt: &Interrupt,
-) -> anyhow::Result<FrameFiles> {
+fn name(options: &RenderOptions, range: Range, outputs: &mut Outputs, interrupt: &Interrupt) -> Result<FrameFiles> {
     // Trying whether files can be written makes some for a moment.
     let _held = interrupt.hold();
     let files = FrameFiles::new(options)?;
@@ -84,7 +80,7 @@ fn name(
 }
 
 /// Refuses frames that cannot be held in memory, or in the animation. Columns and rows that are rendered.
-fn check(size: [u32; 2], options: &RenderOptions, plan: &Plan) -> anyhow::Result<[u32; 2]> {
+fn check(size: [u32; 2], options: &RenderOptions, plan: &Plan) -> Result<[u32; 2]> {
     let region = limits::check(size, options, plan)?;
     if let Some(path) = &options.frames.animation {
         animation::check(path, region, options.frames.fps)?;
@@ -104,7 +100,7 @@ struct Roll<'a> {
 
 impl Roll<'_> {
     /// Renders every frame that is not there.
-    fn accumulate(&mut self, range: Range) -> anyhow::Result<FrameCounts> {
+    fn accumulate(&mut self, range: Range) -> Result<FrameCounts> {
         let mut bar = Bar::new(self.setup.options.quiet, Words::Frames);
         let total = u64::from(range.count()) * THOUSAND;
         let mut counts = FrameCounts::default();
@@ -127,7 +123,7 @@ impl Roll<'_> {
         Ok(counts)
     }
 
-    fn there(&self, plan: &Plan, camera: &Camera) -> anyhow::Result<There> {
+    fn there(&self, plan: &Plan, camera: &Camera) -> Result<There> {
         if self.setup.options.frames.overwrite {
             return Ok(There::Part);
         }
@@ -135,13 +131,7 @@ impl Roll<'_> {
         files::there(plan, self.statistics.size, &made_of.fingerprint, self.animation.is_some())
     }
 
-    fn take(
-        &mut self,
-        plan: &Plan,
-        camera: &Camera,
-        is_first: bool,
-        progress: &mut dyn FnMut(f64),
-    ) -> anyhow::Result<()> {
+    fn take(&mut self, plan: &Plan, camera: &Camera, is_first: bool, progress: &mut dyn FnMut(f64)) -> Result<()> {
         let shot = Shot { setup: self.setup, plan, camera };
         let taken = shot.take(&mut |now| progress(now.done as f64 / now.total.max(1) as f64))?;
         self.statistics.add(&taken);
@@ -158,7 +148,7 @@ impl Roll<'_> {
     }
 
     /// Adds a frame that was not rendered to the animation, if there is one.
-    fn show(&mut self, picture: impl FnOnce() -> anyhow::Result<Rgb8>) -> anyhow::Result<()> {
+    fn show(&mut self, picture: impl FnOnce() -> Result<Rgb8>) -> Result<()> {
         match &mut self.animation {
             Some(animation) => animation.add(&picture()?),
             None => Ok(()),
@@ -172,7 +162,7 @@ fn conclude(
     statistics: &Statistics,
     total: f64,
     animation: Option<String>,
-) -> anyhow::Result<()> {
+) -> Result<()> {
     say_statistics(options, statistics)?;
     if options.quiet {
         return Ok(());

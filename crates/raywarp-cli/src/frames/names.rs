@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use raywarp::write;
 
+use crate::failure::{ensure, fail, Result};
+
 /// A file name with places for the number of the frame.
 #[derive(Debug)]
 pub struct Template {
@@ -26,15 +28,15 @@ impl Template {
     ///
     /// # Errors
     /// Where there is no place for the number, or one that is not understood.
-    pub fn new(path: &Path) -> anyhow::Result<Self> {
+    pub fn new(path: &Path) -> Result<Self> {
         let Some(text) = path.to_str() else {
-            anyhow::bail!("cannot number {}: its name is not UTF-8 text", path.display());
+            fail!("cannot number {}: its name is not UTF-8 text", path.display());
         };
         let pieces = match text.contains("{frame") {
             true => braces(text)?,
             false => hashes(text),
         };
-        anyhow::ensure!(
+        ensure!(
             write::is_dash(path) || pieces.iter().any(|piece| matches!(piece, Piece::Number(_))),
             "every frame needs a file of its own, and {text} is one: put #### or {{frame}} into the name, as in {}",
             numbered(path).display()
@@ -71,15 +73,13 @@ fn hashes(text: &str) -> Vec<Piece> {
     vec![Piece::Text(text[..before].to_owned()), Piece::Number(last + 1 - before), Piece::Text(after)]
 }
 
-fn braces(text: &str) -> anyhow::Result<Vec<Piece>> {
+fn braces(text: &str) -> Result<Vec<Piece>> {
     let mut pieces = Vec::new();
     let mut rest = text;
     while let Some((before, after)) = rest.split_once("{frame") {
         let parts = after.split_once('}').and_then(|(form, after)| Some((digits(form)?, after)));
         let Some((digits, after)) = parts else {
-            anyhow::bail!(
-                "'{{frame{after}' in {text} is not understood: give {{frame}}, or {{frame:04}} for four digits"
-            );
+            fail!("'{{frame{after}' in {text} is not understood: give {{frame}}, or {{frame:04}} for four digits");
         };
         pieces.extend([Piece::Text(before.to_owned()), Piece::Number(digits)]);
         rest = after;

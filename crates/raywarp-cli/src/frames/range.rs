@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::failure::{ensure, Result};
+
 /// Frames by their numbers, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Range {
@@ -57,10 +59,10 @@ impl Range {
     ///
     /// # Errors
     /// Where it is no part of `whole`, or where it is a single frame and nobody says of how many.
-    pub fn whole(self, whole: Option<Self>) -> anyhow::Result<Self> {
+    pub fn whole(self, whole: Option<Self>) -> Result<Self> {
         match whole {
             Some(whole) => {
-                anyhow::ensure!(
+                ensure!(
                     whole.first <= self.first && self.last <= whole.last,
                     "--frames {self} are no part of --of {whole}: give frames from {} to {}",
                     whole.first,
@@ -69,7 +71,7 @@ impl Range {
                 Ok(whole)
             }
             None => {
-                anyhow::ensure!(
+                ensure!(
                     self.first != self.last,
                     "--frames {self} is one frame of how many? Give the flight's number of frames, such as --of 240"
                 );

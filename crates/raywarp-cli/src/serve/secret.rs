@@ -4,10 +4,10 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use anyhow::{bail, Context};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use raywarp_viewer::serve::Token;
 
+use crate::failure::{fail, Context, Result};
 use crate::messages;
 use crate::options::ServeOptions;
 
@@ -17,7 +17,7 @@ const VARIABLE: &str = "RAYWARP_TOKEN";
 const MOST: u64 = 1024;
 
 /// The secret that is asked for: of the file, of the environment, or a random one.
-pub fn token(options: &ServeOptions) -> anyhow::Result<Option<Token>> {
+pub fn token(options: &ServeOptions) -> Result<Option<Token>> {
     if let Some(path) = &options.token_file {
         return from_file(path).map(Some);
     }
@@ -29,7 +29,7 @@ pub fn token(options: &ServeOptions) -> anyhow::Result<Option<Token>> {
 }
 
 /// A file of one line. A pipe will do.
-fn from_file(path: &Path) -> anyhow::Result<Token> {
+fn from_file(path: &Path) -> Result<Token> {
     let name = path.display();
     let reason = || format!("cannot read the token of {name}");
     let file = File::open(path).with_context(reason)?;
@@ -39,7 +39,7 @@ fn from_file(path: &Path) -> anyhow::Result<Token> {
     let mut text = String::new();
     file.take(MOST + 1).read_to_string(&mut text).with_context(reason)?;
     if text.len() as u64 > MOST {
-        bail!("{name} has more than {MOST} bytes; expected one line, the token");
+        fail!("{name} has more than {MOST} bytes; expected one line, the token");
     }
     let line = text.strip_suffix('\n').map_or(text.as_str(), |line| line.strip_suffix('\r').unwrap_or(line));
     Token::chosen(line).with_context(|| format!("cannot take the token of {name}"))

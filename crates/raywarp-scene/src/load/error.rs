@@ -92,7 +92,7 @@ pub enum LoadError {
         error: Box<LoadError>,
     },
     /// A warning, with [`LoadOptions::strict`](super::LoadOptions::strict).
-    #[error("{0} (an error because of --strict)")]
+    #[error("{0} (an error, as reading is strict)")]
     Strict(super::Warning),
 }
 

@@ -10,16 +10,16 @@ use crate::LoadError;
 #[non_exhaustive]
 pub enum SaveError {
     /// The name does not end in `.toml`.
-    #[error("cannot save the scene as {}: a scene file's name ends in .toml. Give such a name", .0.display())]
+    #[error("cannot save the scene as {}: a scene file's name ends in .toml", .0.display())]
     Extension(PathBuf),
     /// The scene was read from the very file.
-    #[error("cannot save the scene over {}: the scene is made of it. Give another name", .0.display())]
+    #[error("cannot save the scene over {}: the scene is made of it", .0.display())]
     Original(PathBuf),
     /// TOML is UTF-8, and a name in it short.
-    #[error("cannot name {} in a scene file: its path is not UTF-8, or too long. Move it or rename it", .0.display())]
+    #[error("cannot name {} in a scene file: its path is not UTF-8, or too long", .0.display())]
     Name(PathBuf),
     /// The folder of the file, or of the original, cannot be found.
-    #[error("cannot find the folder {}: {source}. Make it first", path.display())]
+    #[error("cannot find the folder {}: {source}", path.display())]
     Folder {
         /// The folder.
         path: PathBuf,
@@ -27,7 +27,7 @@ pub enum SaveError {
         source: std::io::Error,
     },
     /// A change that a scene file has no words for.
-    #[error("cannot save {what}: a scene file cannot say it. Undo that change, or save it in the original file")]
+    #[error("cannot save {what}: a scene file has no words for it")]
     Unsupported {
         /// What changed, a noun phrase.
         what: String,
@@ -36,7 +36,7 @@ pub enum SaveError {
     #[error("the scene as it is now makes no valid scene file. {0}")]
     Range(#[source] Box<LoadError>),
     /// Reading would not give back what was saved.
-    #[error("cannot save {what}: reading it again would not give the same. Change it a little")]
+    #[error("cannot save {what}: reading it again would not give the same")]
     Inexact {
         /// What differs, a noun phrase.
         what: &'static str,

@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum WriteError {
     /// There is a directory of that name.
-    #[error("cannot write {}: it is a directory. Give a file name inside it", .0.display())]
+    #[error("cannot write {}: it is a directory", .0.display())]
     Directory(PathBuf),
     /// The directory for the file is missing.
-    #[error("cannot write {}: there is no directory {}. Create it first", path.display(), directory.display())]
+    #[error("cannot write {}: there is no directory {}", path.display(), directory.display())]
     NoDirectory {
         /// The file.
         path: PathBuf,
@@ -19,7 +19,7 @@ pub enum WriteError {
         directory: PathBuf,
     },
     /// No right to write there.
-    #[error("cannot write {}: {source}. Choose a directory that you may write to", path.display())]
+    #[error("cannot write {}: {source}", path.display())]
     Denied {
         /// The file.
         path: PathBuf,
@@ -27,7 +27,7 @@ pub enum WriteError {
         source: Error,
     },
     /// No room.
-    #[error("cannot write {}: the disk is full ({bytes} bytes are needed). Make room or choose another disk", path.display())]
+    #[error("cannot write {}: the disk is full ({bytes} bytes are needed)", path.display())]
     Full {
         /// The file.
         path: PathBuf,
@@ -35,7 +35,7 @@ pub enum WriteError {
         bytes: u64,
     },
     /// The same run reads the file.
-    #[error("cannot write {}: {}. Give another name", path.display(), is_read(path, read))]
+    #[error("cannot write {}: {}", path.display(), is_read(path, read))]
     Read {
         /// The file.
         path: PathBuf,
@@ -51,7 +51,7 @@ pub enum WriteError {
         other: PathBuf,
     },
     /// There is something of that name already, and it was not to be replaced.
-    #[error("cannot write {}: there is one already. Give another name", .0.display())]
+    #[error("cannot write {}: there is one already", .0.display())]
     Exists(PathBuf),
     /// Any other failure of the file system.
     #[error("cannot write {}: {source}", path.display())]
@@ -75,9 +75,9 @@ fn written_twice(path: &Path, other: &Path) -> String {
     let path = super::name(path, "standard output");
     let other = super::name(other, "standard output");
     if path == other {
-        format!("two outputs have the same name, {path}: give each its own")
+        format!("two outputs have the same name, {path}")
     } else {
-        format!("two outputs are the same file, {other} and {path}: give each its own")
+        format!("two outputs are the same file, {other} and {path}")
     }
 }
 

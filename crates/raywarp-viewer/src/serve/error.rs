@@ -9,7 +9,7 @@ use crate::ViewerError;
 #[non_exhaustive]
 pub enum ServeError {
     /// The host is no address.
-    #[error("'{host}' is no address of this machine: {reason}; give one as --host 127.0.0.1, or 0.0.0.0 for all")]
+    #[error("'{host}' is no address of this machine: {reason}")]
     Host {
         /// As it was given.
         host: String,
@@ -17,10 +17,7 @@ pub enum ServeError {
         reason: io::Error,
     },
     /// Somebody else has the port.
-    #[error(
-        "port {port} of {host} is taken, perhaps by another `raywarp serve`; give another with --port, or --port 0 for \
-         any that is free"
-    )]
+    #[error("port {port} of {host} is taken")]
     PortTaken {
         /// The host.
         host: String,
@@ -28,7 +25,7 @@ pub enum ServeError {
         port: u16,
     },
     /// The system does not give the port.
-    #[error("cannot listen at port {port} of {host}: {reason}; give another --port or --host")]
+    #[error("cannot listen at port {port} of {host}: {reason}")]
     Port {
         /// The host.
         host: String,

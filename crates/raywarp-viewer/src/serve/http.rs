@@ -101,7 +101,7 @@ fn check(headers: &HeaderMap, state: &AppState) -> Result<(), Box<Response>> {
         return Ok(());
     }
     let sentence = "This request comes from another page, or under a name that is not this server's. Open the address \
-                    that `raywarp serve` printed; to reach it by another name, serve with --token.\n";
+                    that the server printed; under another name it answers only where it has a token.\n";
     Err(Box::new(reply(StatusCode::FORBIDDEN, PLAIN, sentence)))
 }
 

@@ -84,7 +84,7 @@ async fn greet(sink: &mut Sink, stream: &mut Stream, state: &AppState) -> Result
     }
     let full = || {
         let most = state.registry.size();
-        ending(code::FULL, format!("all {most} places are taken: try again later, or serve with more --viewers"))
+        ending(code::FULL, format!("all {most} places are taken: try again later"))
     };
     let admission = state.registry.admit([width, height]).ok_or_else(full)?;
     if sink.send(hello).await.is_err() {

@@ -15,8 +15,8 @@ pub struct Dropped {
 /// Triangles that cannot be hit, where that is not to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "triangles without area or with coordinates that are not finite, {0} of them, would be dropped (an error because of \
-     --strict); mend the scene or leave --strict out"
+    "triangles without area or with coordinates that are not finite, {0} of them, would be dropped (an error, as reading \
+     is strict)"
 )]
 pub struct Unhittable(pub usize);
 

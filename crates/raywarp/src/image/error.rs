@@ -9,7 +9,7 @@ use super::Layer;
 #[non_exhaustive]
 pub enum ImageError {
     /// The name does not say which kind of file is meant.
-    #[error("cannot write {}: its name does not end in .png or .exr. Give one of these endings, or '-' for PNG to standard output", .0.display())]
+    #[error("cannot write {}: its name does not end in .png or .exr", .0.display())]
     UnknownExtension(PathBuf),
     /// The encoder refused.
     #[error("cannot encode a picture of {width}x{height} pixels as {format}: {reason}")]

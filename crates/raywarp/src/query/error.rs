@@ -18,7 +18,7 @@ pub enum QueryError {
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// A buffer of answers has another length than the batch asks for.
-    #[error("{rays} rays need {needed} {what}, and the buffer has {has}; make it of that length")]
+    #[error("{rays} rays need {needed} {what}, and the buffer has {has}")]
     Length {
         /// Rays in the batch.
         rays: u32,

@@ -19,7 +19,7 @@ pub enum RenderError {
     #[error("{0}")]
     Option(String),
     /// The camera sees nothing.
-    #[error("{} {problem}; give --eye and --target, two different finite points, and --fov", camera(name))]
+    #[error("{} {problem}", camera(name))]
     Camera {
         /// The camera's name.
         name: String,
@@ -27,7 +27,7 @@ pub enum RenderError {
         problem: &'static str,
     },
     /// The scene's parts do not fit together: a file's reader or a caller made it wrong.
-    #[error("{part} of {mesh} is out of range; `validate` what made the scene")]
+    #[error("{part} of {mesh} is out of range")]
     Scene {
         /// The mesh or instance.
         mesh: String,

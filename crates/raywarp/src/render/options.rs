@@ -66,21 +66,19 @@ impl RenderOptions {
         let refuse = |sentence: String| Err(RenderError::Option(sentence));
         let [width, height] = self.size;
         if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
-            return refuse(format!(
-                "a picture of {width}x{height} pixels is not possible; give 1 to {MAX_SIDE} a side"
-            ));
+            return refuse(format!("a picture of {width}x{height} pixels is not possible: a side has 1 to {MAX_SIDE}"));
         }
         if !(1..=MAX_SPP).contains(&self.spp) {
-            return refuse(format!("{} samples a pixel are not possible; give 1 to {MAX_SPP}", self.spp));
+            return refuse(format!("{} samples a pixel are not possible: there are 1 to {MAX_SPP}", self.spp));
         }
         if self.max_depth > MAX_DEPTH {
-            return refuse(format!("a depth of {} is not possible; give 0 to {MAX_DEPTH}", self.max_depth));
+            return refuse(format!("a depth of {} is not possible: it is 0 to {MAX_DEPTH}", self.max_depth));
         }
         let [left, top, right, bottom] = self.crop.unwrap_or([0, 0, width, height]);
         if left >= right || top >= bottom || right > width || bottom > height {
             return refuse(format!(
-                "the crop {left},{top},{right},{bottom} holds no pixel of the {width}x{height} picture; give \
-                 left,top,right,bottom with left < right <= {width} and top < bottom <= {height}"
+                "the crop {left},{top},{right},{bottom} holds no pixel of the {width}x{height} picture: of \
+                 left,top,right,bottom, left < right <= {width} and top < bottom <= {height}"
             ));
         }
         Ok(Window { origin: [left, top], extent: [right - left, bottom - top] })

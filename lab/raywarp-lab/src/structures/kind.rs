@@ -123,6 +123,8 @@ impl fmt::Display for UnknownStructure {
 
 impl std::error::Error for UnknownStructure {}
 
+impl raywarp_cli::advice::Advise for UnknownStructure {}
+
 impl FromStr for StructureKind {
     type Err = UnknownStructure;
 

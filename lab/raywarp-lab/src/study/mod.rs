@@ -12,13 +12,14 @@ use measure::Setting;
 pub use options::StudyOptions;
 use raywarp::write::Outputs;
 use raywarp_cli::bench::subjects;
+use raywarp_cli::failure::{ensure, Result};
 use raywarp_cli::interrupt::Interrupt;
 use raywarp_cli::messages;
 use raywarp_cli::output::Target;
 use raywarp_cli::render::{limit_threads, read};
 
 /// Measures, and writes the report.
-pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
+pub fn run(options: &StudyOptions) -> Result<()> {
     let interrupt = Interrupt::install();
     let mut outputs = Outputs::default();
     outputs.reads(&options.subjects.suite)?;
@@ -40,7 +41,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
         let loaded = read(subject.file.as_deref(), false, &mut outputs)?;
         study.scenes.push(measure::scene(&setting, subject, &loaded.scene, &mut study.notes)?);
     }
-    anyhow::ensure!(!study.scenes.is_empty(), "no scene was studied; the notes above say why");
+    ensure!(!study.scenes.is_empty(), "no scene was studied; the notes above say why");
     study.growth = measure::growth(&setting)?;
     let written = report::write(&study, &options.output, Target { run: &outputs, interrupt: &interrupt })?;
     let first = messages::path(written.first().unwrap_or(&options.output));

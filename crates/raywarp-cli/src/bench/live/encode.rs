@@ -8,6 +8,8 @@ use serde::Serialize;
 
 use super::super::spread::Spread;
 
+use crate::failure::Result;
+
 /// Times that the picture at rest is encoded.
 const REPEATS: usize = 3;
 
@@ -25,16 +27,16 @@ pub struct Encoded {
 }
 
 /// Pictures of a camera that moves, at the best quality that a browser gets.
-pub fn moving<'a>(pictures: impl Iterator<Item = &'a Picture>) -> anyhow::Result<Encoded> {
+pub fn moving<'a>(pictures: impl Iterator<Item = &'a Picture>) -> Result<Encoded> {
     encoded(pictures, Coding::MOVING)
 }
 
 /// A picture at rest, several times.
-pub fn still(picture: &Picture) -> anyhow::Result<Encoded> {
+pub fn still(picture: &Picture) -> Result<Encoded> {
     encoded(std::iter::repeat_n(picture, REPEATS), Coding::Lossless)
 }
 
-fn encoded<'a>(pictures: impl Iterator<Item = &'a Picture>, coding: Coding) -> anyhow::Result<Encoded> {
+fn encoded<'a>(pictures: impl Iterator<Item = &'a Picture>, coding: Coding) -> Result<Encoded> {
     let mut pictures = pictures.peekable();
     if let Some(first) = pictures.peek() {
         // The first time threads wake and memory is new.

@@ -23,6 +23,7 @@ use super::machine::Machine;
 use super::options::BenchOptions;
 use super::results::Note;
 use super::suite::{subjects, Subject};
+use crate::failure::{ensure, Result};
 use crate::interrupt::Interrupt;
 use crate::messages;
 use crate::render::limit_threads;
@@ -34,7 +35,7 @@ use scripted_pointer::ScriptedPointer;
 const NAP: Duration = Duration::from_millis(5);
 
 /// Measures the viewer with every scene that the options name.
-pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
+pub fn run(options: &BenchOptions) -> Result<()> {
     let _ends = Interrupt::install();
     let subjects = subjects(&options.subjects)?;
     limit_threads(options.threads)?;
@@ -50,15 +51,15 @@ pub fn run(options: &BenchOptions) -> anyhow::Result<()> {
             live.measure(&subject, &mut live_scene, options)?;
         }
     }
-    anyhow::ensure!(!live.rows.is_empty(), "nothing was measured; the notes above say why");
+    ensure!(!live.rows.is_empty(), "nothing was measured; the notes above say why");
     messages::results(&live, options.json, || live.table())
 }
 
 /// Every structure with every quality of tree; no structure: the viewer's own choice.
-fn builds(options: &BenchOptions) -> anyhow::Result<Vec<RenderDefaults>> {
+fn builds(options: &BenchOptions) -> Result<Vec<RenderDefaults>> {
     let layouts: Vec<Option<AccelKind>> = match options.layout.is_empty() {
         true => vec![None],
-        false => options.layout.iter().map(|name| Ok(Some(name.parse()?))).collect::<anyhow::Result<_>>()?,
+        false => options.layout.iter().map(|name| Ok(Some(name.parse()?))).collect::<Result<_>>()?,
     };
     // As the viewer shows it, whatever the scene says.
     let usual = RenderDefaults { seed: None, ..ViewSettings::default().render.only(&[Part::Shading]) };
@@ -75,7 +76,7 @@ fn builds(options: &BenchOptions) -> anyhow::Result<Vec<RenderDefaults>> {
 ///
 /// # Errors
 /// What the stage says of a scene that it cannot show.
-fn open(subject: &Subject, device: &Device, overrides: RenderDefaults) -> anyhow::Result<LiveScene> {
+fn open(subject: &Subject, device: &Device, overrides: RenderDefaults) -> Result<LiveScene> {
     let source = Source { path: subject.file.clone(), ..Source::default() };
     let options = LiveSceneOptions { overrides, viewpoint: subject.view.clone(), ..LiveSceneOptions::default() };
     let mut live_scene = LiveScene::open(source, device.clone(), options);
@@ -91,13 +92,13 @@ fn open(subject: &Subject, device: &Device, overrides: RenderDefaults) -> anyhow
     if let Some(error) = live_scene.take_error() {
         return Err(error.into());
     }
-    anyhow::ensure!(live_scene.is_ready(), "cannot read {}", live_scene.name());
+    ensure!(live_scene.is_ready(), "cannot read {}", live_scene.name());
     Ok(live_scene)
 }
 
 impl Live {
     /// Every size and case of a scene.
-    fn measure(&mut self, subject: &Subject, live_scene: &mut LiveScene, options: &BenchOptions) -> anyhow::Result<()> {
+    fn measure(&mut self, subject: &Subject, live_scene: &mut LiveScene, options: &BenchOptions) -> Result<()> {
         for size in options.sizes() {
             for case in Case::ALL {
                 let row = self.row(subject, live_scene, size, case)?;
@@ -107,15 +108,11 @@ impl Live {
         Ok(())
     }
 
-    fn row(&self, subject: &Subject, live_scene: &mut LiveScene, size: [u32; 2], case: Case) -> anyhow::Result<Row> {
+    fn row(&self, subject: &Subject, live_scene: &mut LiveScene, size: [u32; 2], case: Case) -> Result<Row> {
         let mut pointer = ScriptedPointer::new(live_scene, size, case, &subject.view)?;
         let status = pointer.status();
         let ([width, height], structure) = (size, &status.accel);
-        anyhow::ensure!(
-            status.triangles > 0,
-            "the scene '{}' has no triangle: there is nothing to look at",
-            subject.name
-        );
+        ensure!(status.triangles > 0, "the scene '{}' has no triangle: there is nothing to look at", subject.name);
         messages::line(&format!("{}: {width}x{height}, {case}, {structure} ...", subject.name));
         let watched = watch::watch(&mut pointer, case, self.seconds, self.warmup)?;
         Row::new(&subject.name, &status, case, &watched, &pointer.rest)

@@ -12,6 +12,8 @@ use super::case::{aim, Case};
 use super::encode::{self, Encoded};
 use super::watch::Watched;
 
+use crate::failure::Result;
+
 /// A whole run.
 #[derive(Debug, Serialize)]
 pub struct Live {
@@ -115,7 +117,7 @@ impl Row {
     ///
     /// # Errors
     /// A picture cannot be encoded.
-    pub fn new(scene: &str, status: &Status, case: Case, watched: &Watched, rest: &Picture) -> anyhow::Result<Self> {
+    pub fn new(scene: &str, status: &Status, case: Case, watched: &Watched, rest: &Picture) -> Result<Self> {
         let jpeg = encode::moving(watched.pictures.iter().map(|picture| &**picture))?;
         let (layout, tree) = status.accel.split_once(", ").unwrap_or((&status.accel, ""));
         let (frames, late) = (watched.ms.len(), aim().as_secs_f64() * 1e3);

@@ -8,6 +8,8 @@ use raywarp_viewer::live::{Button, Event, LiveScene, Modifiers, Picture, Status,
 
 use super::case::Case;
 
+use crate::failure::{ensure, fail, Result};
+
 /// How far the pointer goes for a whole turn of the camera, in heights of the picture.
 const TURN: f64 = 2.0;
 /// A step of a drag, in turns: enough not to be a click, and not so much that a slow machine sees a few views only.
@@ -46,9 +48,9 @@ impl<'a> ScriptedPointer<'a> {
     ///
     /// # Errors
     /// The view cannot be rendered from, the size is beyond the viewer's or too narrow, or the device fails.
-    pub fn new(live_scene: &'a mut LiveScene, size: [u32; 2], case: Case, view: &Viewpoint) -> anyhow::Result<Self> {
+    pub fn new(live_scene: &'a mut LiveScene, size: [u32; 2], case: Case, view: &Viewpoint) -> Result<Self> {
         let [width, height] = size;
-        anyhow::ensure!(
+        ensure!(
             u64::from(height) <= NARROWEST * u64::from(width),
             "a picture of {width}x{height} is too narrow to drag the camera around; choose a wider --size"
         );
@@ -56,7 +58,7 @@ impl<'a> ScriptedPointer<'a> {
         *viewer.look_mut() = case.view_settings();
         let mut pointer = Self { live_scene, viewer, rest: Arc::default(), size, turned: 0.0, start: Instant::now() };
         let [most_wide, most_high] = pointer.status().size;
-        anyhow::ensure!(
+        ensure!(
             [most_wide, most_high] == size,
             "a picture of {width}x{height} is more than the viewer shows: at most {most_wide}x{most_high} of it; choose a \
              smaller --size"
@@ -64,13 +66,13 @@ impl<'a> ScriptedPointer<'a> {
         pointer.settle()?;
         // What cannot be rendered from, the viewer replaces.
         let asked = |camera: &Camera| view.adjust(camera.clone()) == *camera;
-        anyhow::ensure!(
+        ensure!(
             pointer.viewer.camera().is_some_and(asked),
             "the camera needs finite coordinates, an eye apart from its target, and a field of view of more than 0 and \
              less than 180 degrees"
         );
         if let Some(notice) = pointer.status().notice.filter(|notice| notice.error) {
-            anyhow::bail!("{}", notice.text);
+            fail!("{}", notice.text);
         }
         pointer.point();
         pointer.press(true);
@@ -86,7 +88,7 @@ impl<'a> ScriptedPointer<'a> {
     ///
     /// # Errors
     /// The device fails, or there is no picture.
-    pub fn next(&mut self, turns: f64) -> anyhow::Result<Frame> {
+    pub fn next(&mut self, turns: f64) -> Result<Frame> {
         let begun = Instant::now();
         self.drag(turns.clamp(STEP[0], STEP[1]));
         let (mut trace_ms, mut fetch_ms) = (0.0, 0.0);
@@ -108,7 +110,7 @@ impl<'a> ScriptedPointer<'a> {
     }
 
     /// Renders until nothing more is coming.
-    fn settle(&mut self) -> anyhow::Result<()> {
+    fn settle(&mut self) -> Result<()> {
         while self.viewer.wants_frame(self.live_scene) {
             self.rest = self.render()?;
         }
@@ -116,14 +118,14 @@ impl<'a> ScriptedPointer<'a> {
     }
 
     /// The next picture, whole or not.
-    fn render(&mut self) -> anyhow::Result<Arc<Picture>> {
+    fn render(&mut self) -> Result<Arc<Picture>> {
         let begun = Instant::now();
         while begun.elapsed() < PATIENCE {
             if let Some(picture) = self.viewer.frame(self.live_scene, self.start.elapsed())? {
                 return Ok(picture);
             }
         }
-        anyhow::bail!("the viewer made no picture for {} s, though it was to; report it", PATIENCE.as_secs())
+        fail!("the viewer made no picture for {} s, though it was to; report it", PATIENCE.as_secs())
     }
 
     /// Moves the pointer to the right. After a whole turn it begins again at the left.

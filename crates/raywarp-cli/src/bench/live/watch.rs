@@ -8,6 +8,8 @@ use raywarp_viewer::live::Picture;
 use super::case::Case;
 use super::scripted_pointer::{Frame, ScriptedPointer};
 
+use crate::failure::Result;
+
 /// Pictures that are timed at least.
 const FEWEST: usize = 3;
 /// Pictures that are kept, to be encoded later: from all around the scene.
@@ -34,7 +36,7 @@ pub struct Watched {
 ///
 /// # Errors
 /// The device fails, or pictures fail to come.
-pub fn watch(pointer: &mut ScriptedPointer, case: Case, seconds: f64, warmup: u32) -> anyhow::Result<Watched> {
+pub fn watch(pointer: &mut ScriptedPointer, case: Case, seconds: f64, warmup: u32) -> Result<Watched> {
     let mut beat = Beat::new(case.period(), seconds);
     let (start, mut before) = (Instant::now(), 0);
     while before < warmup || start.elapsed().as_secs_f64() < BEFORE * seconds {

@@ -3,8 +3,9 @@
 use std::fs::File;
 use std::io::BufWriter;
 
-use anyhow::Context;
 use raywarp::image::Rgb8;
+
+use crate::failure::{Context, Result};
 
 /// Frames that are PNGs within a PNG.
 pub struct Encoder {
@@ -15,7 +16,7 @@ pub struct Encoder {
 
 impl Encoder {
     /// An endless loop of so many frames.
-    pub fn new(file: File, [width, height]: [u32; 2], frames: u32, fps: f64) -> anyhow::Result<Self> {
+    pub fn new(file: File, [width, height]: [u32; 2], frames: u32, fps: f64) -> Result<Self> {
         let same = file.try_clone()?;
         let mut encoder = png::Encoder::new(BufWriter::new(file), width, height);
         encoder.set_color(png::ColorType::Rgb);
@@ -39,11 +40,11 @@ fn delay(fps: f64) -> (u16, u16) {
 }
 
 impl super::Encoder for Encoder {
-    fn add(&mut self, picture: &Rgb8) -> anyhow::Result<()> {
+    fn add(&mut self, picture: &Rgb8) -> Result<()> {
         Ok(self.writer.write_image_data(picture.pixels.as_flattened())?)
     }
 
-    fn finish(self: Box<Self>) -> anyhow::Result<File> {
+    fn finish(self: Box<Self>) -> Result<File> {
         self.writer.finish().context("the last frame is missing")?;
         Ok(self.file)
     }

@@ -5,11 +5,11 @@ use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use anyhow::Context;
 use raywarp::image::Rgb8;
 use raywarp::write;
 use tempfile::NamedTempFile;
 
+use crate::failure::{Context, Failure, Result};
 use crate::interrupt::Interrupt;
 
 /// What ffmpeg makes.
@@ -32,21 +32,21 @@ impl Container {
 }
 
 /// Finds out whether there is an ffmpeg.
-pub fn check(path: &Path) -> anyhow::Result<()> {
+pub fn check(path: &Path) -> Result<()> {
     let found = Command::new("ffmpeg").arg("-version").stdin(Stdio::null()).output();
     found.map(drop).map_err(|error| without(path, &error))
 }
 
-fn without(path: &Path, error: &io::Error) -> anyhow::Error {
+fn without(path: &Path, error: &io::Error) -> Failure {
     let why = match error.kind() {
         io::ErrorKind::NotFound => "there is none on the PATH".to_owned(),
         _ => format!("it does not run: {error}"),
     };
-    anyhow::anyhow!(
+    Failure::new(format_args!(
         "cannot write {}: that takes ffmpeg, and {why}. Install ffmpeg, or write a .gif or .png (an animated PNG), or \
          single frames with -o alone",
         path.display()
-    )
+    ))
 }
 
 /// ffmpeg at work.
@@ -59,13 +59,7 @@ pub struct Encoder {
 
 impl Encoder {
     /// Starts it, with a file beside the video to write to.
-    pub fn new(
-        path: &Path,
-        container: Container,
-        size: [u32; 2],
-        fps: f64,
-        interrupt: &Interrupt,
-    ) -> anyhow::Result<Self> {
+    pub fn new(path: &Path, container: Container, size: [u32; 2], fps: f64, interrupt: &Interrupt) -> Result<Self> {
         let target = write::temporary(path)?;
         interrupt.unfinished(target.path().to_owned());
         let said = tempfile::tempfile().context("cannot keep what ffmpeg says")?;
@@ -76,13 +70,16 @@ impl Encoder {
     }
 
     /// Why it ended.
-    fn failure(&mut self) -> anyhow::Error {
+    fn failure(&mut self) -> Failure {
         let status = self.child.wait().map_or_else(|error| error.to_string(), |status| status.to_string());
         let mut said = Vec::new();
         // Without its words there is still its end to tell.
         let _ = self.said.rewind().and_then(|()| (&mut self.said).take(2000).read_to_end(&mut said));
         let said = String::from_utf8_lossy(&said).split_whitespace().collect::<Vec<_>>().join(" ");
-        anyhow::anyhow!("ffmpeg ended with {status}: {}", if said.is_empty() { "it said nothing" } else { &said })
+        Failure::new(format_args!(
+            "ffmpeg ended with {status}: {}",
+            if said.is_empty() { "it said nothing" } else { &said }
+        ))
     }
 }
 
@@ -108,7 +105,7 @@ fn command(container: Container, [width, height]: [u32; 2], fps: f64, target: &P
 }
 
 impl super::Encoder for Encoder {
-    fn add(&mut self, picture: &Rgb8) -> anyhow::Result<()> {
+    fn add(&mut self, picture: &Rgb8) -> Result<()> {
         let pixels = picture.pixels.as_flattened();
         let written = self.child.stdin.as_mut().map(|input| input.write_all(pixels));
         match written {
@@ -118,7 +115,7 @@ impl super::Encoder for Encoder {
         }
     }
 
-    fn finish(mut self: Box<Self>) -> anyhow::Result<File> {
+    fn finish(mut self: Box<Self>) -> Result<File> {
         drop(self.child.stdin.take());
         let status = self.child.wait().context("ffmpeg cannot be waited for")?;
         if !status.success() {

@@ -9,6 +9,8 @@ use color_quant::NeuQuant;
 use gif::{Frame, Repeat};
 use raywarp::image::Rgb8;
 
+use crate::failure::{ensure, Result};
+
 /// Hundredths of a second below which players take their own time instead.
 const SHORTEST: f64 = 2.0;
 
@@ -20,20 +22,20 @@ pub struct Encoder {
 }
 
 /// Finds out whether a GIF can be so large and so fast.
-pub fn check(path: &Path, [width, height]: [u32; 2], fps: f64) -> anyhow::Result<()> {
-    anyhow::ensure!(
+pub fn check(path: &Path, [width, height]: [u32; 2], fps: f64) -> Result<()> {
+    ensure!(
         width.max(height) <= u32::from(u16::MAX),
         "a GIF has at most {} pixels each way: choose a smaller --size for {}",
         u16::MAX,
         path.display()
     );
-    anyhow::ensure!(
+    ensure!(
         100.0 / fps >= SHORTEST,
         "a GIF shows at most {} frames a second: give a smaller --fps for {}, or write a .png, .mp4 or .webm",
         100.0 / SHORTEST,
         path.display()
     );
-    anyhow::ensure!(
+    ensure!(
         100.0 / fps <= f64::from(u16::MAX),
         "a GIF shows a frame for at most {} s: give a larger --fps for {}",
         u16::MAX / 100,
@@ -44,7 +46,7 @@ pub fn check(path: &Path, [width, height]: [u32; 2], fps: f64) -> anyhow::Result
 
 impl Encoder {
     /// An endless loop.
-    pub fn new(file: File, [width, height]: [u32; 2], fps: f64) -> anyhow::Result<Self> {
+    pub fn new(file: File, [width, height]: [u32; 2], fps: f64) -> Result<Self> {
         let mut writer = gif::Encoder::new(BufWriter::new(file), width as u16, height as u16, &[])?;
         writer.set_repeat(Repeat::Infinite)?;
         Ok(Self { writer, fps, frames: 0 })
@@ -60,7 +62,7 @@ impl Encoder {
 }
 
 impl super::Encoder for Encoder {
-    fn add(&mut self, picture: &Rgb8) -> anyhow::Result<()> {
+    fn add(&mut self, picture: &Rgb8) -> Result<()> {
         let (palette, buffer) = indexed(picture);
         let frame = Frame {
             delay: self.delay(),
@@ -73,10 +75,10 @@ impl super::Encoder for Encoder {
         Ok(self.writer.write_frame(&frame)?)
     }
 
-    fn finish(self: Box<Self>) -> anyhow::Result<File> {
+    fn finish(self: Box<Self>) -> Result<File> {
         let mut buffered = self.writer.into_inner()?;
         buffered.flush()?;
-        Ok(buffered.into_inner()?)
+        Ok(buffered.into_inner().map_err(|error| error.into_error())?)
     }
 }
 

@@ -11,10 +11,10 @@ use std::fs::File;
 use std::io::{self, Seek};
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use raywarp::image::Rgb8;
 use raywarp::write;
 
+use crate::failure::{fail, Context, Result};
 use crate::interrupt::Interrupt;
 use crate::messages;
 use crate::output::Target;
@@ -29,13 +29,13 @@ enum Kind {
 }
 
 impl Kind {
-    fn of(path: &Path) -> anyhow::Result<Self> {
+    fn of(path: &Path) -> Result<Self> {
         match path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase().as_str() {
             "gif" => Ok(Self::Gif),
             "png" | "apng" => Ok(Self::Apng),
             "mp4" => Ok(Self::Video(Container::Mp4)),
             "webm" => Ok(Self::Video(Container::WebM)),
-            _ => anyhow::bail!(
+            _ => fail!(
                 "cannot write the animation {}: its name does not end in .gif, .png, .apng, .mp4 or .webm",
                 path.display()
             ),
@@ -46,10 +46,10 @@ impl Kind {
 /// Takes frames and makes a file of them.
 trait Encoder {
     /// Adds a frame.
-    fn add(&mut self, picture: &Rgb8) -> anyhow::Result<()>;
+    fn add(&mut self, picture: &Rgb8) -> Result<()>;
 
     /// The whole file.
-    fn finish(self: Box<Self>) -> anyhow::Result<File>;
+    fn finish(self: Box<Self>) -> Result<File>;
 }
 
 /// An animation that is being written.
@@ -65,7 +65,7 @@ pub struct Animation {
 /// # Errors
 /// For an unknown kind, a place that cannot be written to, a size or rate that the kind cannot have, and without
 /// ffmpeg where it is needed.
-pub fn check(path: &Path, size: [u32; 2], fps: f64) -> anyhow::Result<()> {
+pub fn check(path: &Path, size: [u32; 2], fps: f64) -> Result<()> {
     let kind = Kind::of(path)?;
     write::check(path)?;
     match kind {
@@ -80,7 +80,7 @@ impl Animation {
     ///
     /// # Errors
     /// As [`check`].
-    pub fn open(path: &Path, size: [u32; 2], frames: u32, fps: f64, interrupt: &Interrupt) -> anyhow::Result<Self> {
+    pub fn open(path: &Path, size: [u32; 2], frames: u32, fps: f64, interrupt: &Interrupt) -> Result<Self> {
         let encoder: Box<dyn Encoder> = match Kind::of(path)? {
             Kind::Gif => Box::new(gif::Encoder::new(spool(path)?, size, fps)?),
             Kind::Apng => Box::new(apng::Encoder::new(spool(path)?, size, frames, fps)?),
@@ -90,12 +90,12 @@ impl Animation {
     }
 
     /// Adds a frame.
-    pub fn add(&mut self, picture: &Rgb8) -> anyhow::Result<()> {
+    pub fn add(&mut self, picture: &Rgb8) -> Result<()> {
         self.encoder.add(picture).with_context(|| format!("cannot write {}", self.path.display()))
     }
 
     /// Puts the file in its place, and returns a line about it.
-    pub fn finish(self, target: Target) -> anyhow::Result<String> {
+    pub fn finish(self, target: Target) -> Result<String> {
         let name = messages::path(&self.path);
         let mut spool = self.encoder.finish().with_context(|| format!("cannot write {name}"))?;
         let failed = || format!("cannot read {name} again before it is put in its place");
@@ -110,7 +110,7 @@ impl Animation {
 }
 
 /// A file without a name, where there has to be room for the animation anyway.
-fn spool(path: &Path) -> anyhow::Result<File> {
+fn spool(path: &Path) -> Result<File> {
     let directory = write::directory_of(path);
     tempfile::tempfile_in(&directory).with_context(|| format!("cannot write into {}", directory.display()))
 }

@@ -31,7 +31,7 @@ impl Visitor<'_> for WhichVisitor {
     type Value = Which;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a name, or a number from 0 as `raywarp info` counts")
+        f.write_str("a name, or a number from 0 in the order of the scene")
     }
 
     fn visit_str<E: Error>(self, name: &str) -> Result<Which, E> {
@@ -169,7 +169,7 @@ impl List {
             ),
             0 => (format!("there is no {what} {index}"), format!("no number, as there is no {what}")),
             _ => {
-                let expected = format!("a number from 0 to {}, as `raywarp info` counts them", count - 1);
+                let expected = format!("a number from 0 to {}, in the order of the scene", count - 1);
                 (format!("there is no {what} {index}"), expected)
             }
         };

@@ -173,7 +173,7 @@ impl LiveScene {
     fn take(&mut self, ready: Ready, watch: Option<Result<Watch, super::watch::WatchError>>) {
         let warning = ready.warnings.first().map(|first| match ready.warnings.len() - 1 {
             0 => first.clone(),
-            more => format!("{first} (and {more} more warnings: `raywarp info` tells all)"),
+            more => format!("{first} (and {more} more warnings)"),
         });
         self.notice = None;
         warning.into_iter().for_each(|text| self.tell(text, false));

@@ -12,6 +12,8 @@ use super::structures::name;
 use super::{milliseconds, Setting};
 use crate::study::findings::{BlockShape, Distribution, FrameTime, Load, StageShares};
 
+use raywarp_cli::failure::Result;
+
 /// Structures that render frames. Those that test every triangle only do where that takes no longer than a few seconds.
 const KINDS: [StructureKind; 7] = [
     StructureKind::BRUTE,
@@ -54,7 +56,7 @@ fn sorts(setting: &Setting) -> [(&'static str, RenderOptions); 2] {
 }
 
 /// Renders the scene by every structure that can.
-pub fn frames(stage: &Stage) -> anyhow::Result<Found> {
+pub fn frames(stage: &Stage) -> Result<Found> {
     let setting = stage.setting;
     let triangles = world_triangles(stage.scene, &stage.scene.instances, &stage.scene.materials)?;
     let mut tracer = Tracer::new(stage.scene, AccelKind::Bvh2, setting.device)?;
@@ -92,12 +94,7 @@ fn too_long(setting: &Setting, triangles: &[Triangle]) -> bool {
     width * height * triangles.len() as u64 * RAYS_A_PIXEL > 10 * setting.most_tests
 }
 
-fn times(
-    stage: &Stage,
-    tracer: &Tracer,
-    options: &RenderOptions,
-    [warmup, repeats]: [u32; 2],
-) -> anyhow::Result<Vec<f64>> {
+fn times(stage: &Stage, tracer: &Tracer, options: &RenderOptions, [warmup, repeats]: [u32; 2]) -> Result<Vec<f64>> {
     let mut seconds = Vec::new();
     for index in 0..warmup + repeats {
         let rendering = tracer.render(&stage.camera, options, &mut |_| ())?;
@@ -115,7 +112,7 @@ fn shares(
     options: &RenderOptions,
     structure: &str,
     rays: &str,
-) -> anyhow::Result<Option<StageShares>> {
+) -> Result<Option<StageShares>> {
     let Some(times) = stage_times(tracer, &stage.camera, options)? else { return Ok(None) };
     let sum = times.iter().sum::<u64>().max(1) as f64;
     let [generation, intersection, shading] = times.map(|time| time as f64 / sum);
@@ -123,7 +120,7 @@ fn shares(
     Ok(Some(StageShares { structure, rays, generation, intersection, shading }))
 }
 
-fn load(stage: &Stage, tracer: &Tracer, options: &RenderOptions, structure: &str, rays: &str) -> anyhow::Result<Load> {
+fn load(stage: &Stage, tracer: &Tracer, options: &RenderOptions, structure: &str, rays: &str) -> Result<Load> {
     // The first time may be in cold caches.
     tracer.costs(&stage.camera, options)?;
     let PixelCosts { ticks, tests } = tracer.costs(&stage.camera, options)?;
@@ -148,7 +145,7 @@ fn load(stage: &Stage, tracer: &Tracer, options: &RenderOptions, structure: &str
 const COLUMNS: u32 = 480;
 
 /// Colours for means over squares of pixels.
-fn heat_map(ticks: &[u32], [width, height]: [u32; 2], top: u32) -> anyhow::Result<Vec<u8>> {
+fn heat_map(ticks: &[u32], [width, height]: [u32; 2], top: u32) -> Result<Vec<u8>> {
     let side = width.div_ceil(COLUMNS).max(1);
     let [columns, rows] = [width, height].map(|pixels| (pixels / side).max(1));
     let mean = |[column, row]: [u32; 2]| {
@@ -186,12 +183,7 @@ fn balance(work: &[u32], [width, height]: [u32; 2], [columns, rows]: [u32; 2]) -
 }
 
 /// The same frame by blocks of several shapes; on the CPU, by tiles.
-fn shapes(
-    stage: &Stage,
-    tracer: &mut Tracer,
-    options: &RenderOptions,
-    rays: &'static str,
-) -> anyhow::Result<Vec<BlockShape>> {
+fn shapes(stage: &Stage, tracer: &mut Tracer, options: &RenderOptions, rays: &'static str) -> Result<Vec<BlockShape>> {
     let mut rows = Vec::new();
     for shape in SHAPES {
         tracer.set_block(Some(shape))?;

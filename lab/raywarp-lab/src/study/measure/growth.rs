@@ -7,6 +7,7 @@ use raywarp_lab::structures::{Build, StructureKind, Tree};
 use super::structures::name;
 use super::Setting;
 use crate::study::findings::Growth;
+use raywarp_cli::failure::Result;
 use raywarp_cli::messages;
 
 /// Builders.
@@ -23,7 +24,7 @@ const ENOUGH: f64 = 0.3;
 
 /// Times every builder on triangles strewn evenly in a cube, as large as the space for each: by thousands and their
 /// multiples by the root of ten.
-pub fn growth(setting: &Setting) -> anyhow::Result<Vec<Growth>> {
+pub fn growth(setting: &Setting) -> Result<Vec<Growth>> {
     let mut rows = Vec::new();
     let steps = if setting.quick { 4 } else { 7 };
     for step in 0..steps {

@@ -10,11 +10,13 @@ use raywarp_lab::structures::Tree;
 use super::scene::Stage;
 use crate::study::findings::LaneUse;
 
+use raywarp_cli::failure::Result;
+
 /// Columns and rows of a warp's pixels.
 const TILE: [u32; 2] = [8, 4];
 
 /// Batches of every kind by every loop, and whole frames by the renderer's.
-pub fn lanes(stage: &Stage) -> anyhow::Result<Vec<LaneUse>> {
+pub fn lanes(stage: &Stage) -> Result<Vec<LaneUse>> {
     stage.say("following warps");
     let mut rows = Vec::new();
     let Tree::Product(Accel::Bvh2(tree)) = &stage.tree else { return Ok(rows) };

@@ -9,11 +9,13 @@ use super::milliseconds;
 use super::scene::Stage;
 use crate::study::findings::PathWay;
 
+use raywarp_cli::failure::{ensure, Result};
+
 /// Rays after the first one, as the paper's scene has them.
 const BOUNCES: u32 = 5;
 
 /// Mirrors and diffuse surfaces, by every scheme.
-pub fn paths(stage: &Stage) -> anyhow::Result<Vec<PathWay>> {
+pub fn paths(stage: &Stage) -> Result<Vec<PathWay>> {
     stage.say("following paths");
     let mut rows = Vec::new();
     let Tree::Product(Accel::Bvh2(tree)) = &stage.tree else { return Ok(rows) };
@@ -40,7 +42,7 @@ pub fn paths(stage: &Stage) -> anyhow::Result<Vec<PathWay>> {
             }
             let trails = batch.trails()?;
             let traced: u64 = trails.iter().map(|trail| u64::from(trail.rays)).sum();
-            anyhow::ensure!(
+            ensure!(
                 *expected.get_or_insert_with(|| trails.clone()) == trails,
                 "paths differ between one kernel and {way}: one of them is wrong; report it"
             );

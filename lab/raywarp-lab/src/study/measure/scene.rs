@@ -10,6 +10,7 @@ use raywarp_lab::structures::{Build, StructureKind, Tree};
 use super::{costs, frames, lanes, paths, sharing, structures, Setting};
 use crate::study::findings::SceneStudy;
 use raywarp_cli::bench::Subject;
+use raywarp_cli::failure::{ensure, Result};
 use raywarp_cli::messages;
 
 /// Kinds of rays of the study.
@@ -64,14 +65,9 @@ pub const PLAIN: Build = Build { kind: StructureKind::BVH2, quality: Quality::Me
 ///
 /// # Errors
 /// It is empty or has no view, or the device fails.
-pub fn scene(
-    setting: &Setting,
-    subject: &Subject,
-    scene: &Scene,
-    notes: &mut Vec<String>,
-) -> anyhow::Result<SceneStudy> {
+pub fn scene(setting: &Setting, subject: &Subject, scene: &Scene, notes: &mut Vec<String>) -> Result<SceneStudy> {
     let triangles = opaque_triangles(scene)?;
-    anyhow::ensure!(!triangles.is_empty(), "the scene '{}' has no triangle that a ray can hit", subject.name);
+    ensure!(!triangles.is_empty(), "the scene '{}' has no triangle that a ray can hit", subject.name);
     let camera = subject.view.adjust(default_camera(scene, &triangles));
     let tree = Tree::build(PLAIN, triangles.clone())?;
     let source = RaySource::new(&triangles, &camera, setting.size)?;

@@ -10,23 +10,24 @@ use super::rate;
 use super::scene::Stage;
 use crate::study::findings::Sharing;
 use raywarp_cli::bench::Spread;
+use raywarp_cli::failure::{ensure, fail, Result};
 
 /// What everything is compared with.
 const PLAIN: Way = Way::Direct(LoopForm::WhileWhile);
 
 /// Every way, for every kind of rays: in each group the plain one first.
-pub fn sharing(stage: &Stage) -> anyhow::Result<Vec<Sharing>> {
+pub fn sharing(stage: &Stage) -> Result<Vec<Sharing>> {
     stage.say("sharing out the work");
     let mut rows = Vec::new();
     for workload in stage.workloads.iter().filter(|workload| !workload.rays.is_empty()) {
         // Those of the first way, which is the plain one.
         let mut expected = None;
-        let mut group = |name: &str, ways: &[Variant]| -> anyhow::Result<()> {
+        let mut group = |name: &str, ways: &[Variant]| -> Result<()> {
             let mut plain = None;
             for &(way, variant) in ways {
                 let (speed, found) = time(stage, workload, variant)?;
                 // In another order the answers are those of other places.
-                anyhow::ensure!(
+                ensure!(
                     variant.order != PixelOrder::Tiles || *expected.get_or_insert_with(|| found.clone()) == found,
                     "{} rays are answered differently by {way}: it is wrong; report it",
                     workload.kind
@@ -97,7 +98,7 @@ const QUEUES: [Variant; 6] = [
     ("refill, speculative", by(Way::RefillSpeculative)),
 ];
 
-fn time(stage: &Stage, workload: &Workload, choice: Choice) -> anyhow::Result<(Spread, Answers)> {
+fn time(stage: &Stage, workload: &Workload, choice: Choice) -> Result<(Spread, Answers)> {
     let mut batch = match choice.order {
         PixelOrder::Tiles => batch(stage, workload)?,
         order => batch(stage, &stage.reordered(workload, order))?,
@@ -106,15 +107,11 @@ fn time(stage: &Stage, workload: &Workload, choice: Choice) -> anyhow::Result<(S
         batch.set_block(threads)?;
     }
     let seconds = batch.time(choice.way, stage.setting.times)?;
-    anyhow::ensure!(
-        batch.is_reset()?,
-        "the queues of {:?} were not set back: its times are wrong; report it",
-        choice.way
-    );
+    ensure!(batch.is_reset()?, "the queues of {:?} were not set back: its times are wrong; report it", choice.way);
     Ok((rate(workload.rays.len(), seconds), batch.answers()?))
 }
 
-fn batch(stage: &Stage, workload: &Workload) -> anyhow::Result<Batch> {
-    let Tree::Product(Accel::Bvh2(tree)) = &stage.tree else { anyhow::bail!("the tree is no bvh2") };
+fn batch(stage: &Stage, workload: &Workload) -> Result<Batch> {
+    let Tree::Product(Accel::Bvh2(tree)) = &stage.tree else { fail!("the tree is no bvh2") };
     Ok(Batch::new(stage.setting.device, tree, &workload.rays, workload.kind.any_hit())?)
 }

@@ -10,6 +10,8 @@ use super::rate;
 use super::scene::{Stage, PLAIN};
 use crate::study::findings::{Rate, Structure};
 
+use raywarp_cli::failure::Result;
+
 /// Arithmetic of a triangle's test on the way that most take: nine differences, six products of three with their sums,
 /// three determinants of two products. Comparisons are not counted, nor what only hits need.
 const TEST_FLOPS: f64 = 9.0 + 6.0 * 5.0 + 3.0 * 3.0;
@@ -49,7 +51,7 @@ pub fn name(build: Build) -> &'static str {
 }
 
 /// Builds all of them; what can be had from another is made of it.
-pub fn entrants(stage: &Stage) -> anyhow::Result<Vec<Entrant>> {
+pub fn entrants(stage: &Stage) -> Result<Vec<Entrant>> {
     let mut entrants: Vec<Entrant> = Vec::new();
     for (kind, quality, name) in STRUCTURES {
         stage.say(&format!("building {name}"));
@@ -69,7 +71,7 @@ pub fn entrants(stage: &Stage) -> anyhow::Result<Vec<Entrant>> {
 }
 
 /// Rays a second by each structure.
-pub fn rates(stage: &Stage, entrants: &[Entrant]) -> anyhow::Result<Vec<Vec<Rate>>> {
+pub fn rates(stage: &Stage, entrants: &[Entrant]) -> Result<Vec<Vec<Rate>>> {
     let of = |entrant: &Entrant| {
         stage.say(&format!("rays by {}", entrant.name));
         let caster = entrant.tree.caster(stage.setting.device)?;
@@ -79,7 +81,7 @@ pub fn rates(stage: &Stage, entrants: &[Entrant]) -> anyhow::Result<Vec<Vec<Rate
     entrants.iter().map(of).collect()
 }
 
-fn rate_of(stage: &Stage, entrant: &Entrant, caster: &RayCaster, workload: &Workload) -> anyhow::Result<Option<Rate>> {
+fn rate_of(stage: &Stage, entrant: &Entrant, caster: &RayCaster, workload: &Workload) -> Result<Option<Rate>> {
     let kind = entrant.build.kind;
     let most = match kind.is_exhaustive() {
         true => (stage.setting.most_tests / stage.triangles.len() as u64) as usize,

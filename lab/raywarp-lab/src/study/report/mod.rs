@@ -18,8 +18,8 @@ mod tests;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use raywarp::write::{self, Outputs};
+use raywarp_cli::failure::{Context, Result};
 use raywarp_cli::interrupt::Interrupt;
 use raywarp_cli::output::Target;
 
@@ -36,7 +36,7 @@ const PAGES: [&str; 3] = ["report.html", "report.md", "study.json"];
 ///
 /// # Errors
 /// As for [`write`].
-pub fn check(folder: &Path, run: &mut Outputs, interrupt: &Interrupt) -> anyhow::Result<()> {
+pub fn check(folder: &Path, run: &mut Outputs, interrupt: &Interrupt) -> Result<()> {
     // A trial makes a file for a moment.
     let _held = interrupt.hold();
     let plots = make(folder)?;
@@ -48,7 +48,7 @@ pub fn check(folder: &Path, run: &mut Outputs, interrupt: &Interrupt) -> anyhow:
 }
 
 /// Makes the folder for a report, and that for its plots.
-fn make(folder: &Path) -> anyhow::Result<PathBuf> {
+fn make(folder: &Path) -> Result<PathBuf> {
     let plots = folder.join(PLOTS);
     fs::create_dir_all(&plots).with_context(|| {
         format!("cannot make the folder {} for the report: give a folder that you may write to", plots.display())
@@ -62,7 +62,7 @@ fn make(folder: &Path) -> anyhow::Result<PathBuf> {
 ///
 /// # Errors
 /// Where the folder cannot be made or a file not be written.
-pub fn write(study: &Study, folder: &Path, target: Target) -> anyhow::Result<Vec<PathBuf>> {
+pub fn write(study: &Study, folder: &Path, target: Target) -> Result<Vec<PathBuf>> {
     let document = sections::document(study)?;
     let data = serde_json::to_vec_pretty(study).context("cannot write the study as JSON")?;
     // A report is whole: Ctrl-C waits for its last file.

@@ -12,6 +12,7 @@ use tempfile::TempDir;
 use super::{sample, sections, write};
 use crate::study::findings::{Bin, Distribution, SceneStudy, Study};
 use raywarp_cli::bench::Spread;
+use raywarp_cli::failure::Result;
 use raywarp_cli::interrupt::Interrupt;
 use raywarp_cli::output::Target;
 
@@ -19,7 +20,7 @@ const HOSTILE: &str = "<script>alert(1)</script>& \"'|[x](y)\u{1}\n-->]]>";
 
 const SECTIONS: [&str; 9] = ["structures", "growth", "speed", "stages", "tests", "load", "lanes", "sharing", "paths"];
 
-fn written(study: &Study, folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+fn written(study: &Study, folder: &Path) -> Result<Vec<PathBuf>> {
     let (run, interrupt) = (Outputs::default(), Interrupt::install());
     write(study, folder, Target { run: &run, interrupt: &interrupt })
 }

@@ -88,6 +88,6 @@ fn warnings_are_errors_where_that_is_asked() {
     let error = read(&files.1, &mut Sources::new(&LoadOptions { strict: true })).unwrap_err();
     assert_eq!(
         files.local(&error.to_string()),
-        "a.obj:1: 1 'l' statement is skipped (lines) (an error because of --strict)"
+        "a.obj:1: 1 'l' statement is skipped (lines) (an error, as reading is strict)"
     );
 }

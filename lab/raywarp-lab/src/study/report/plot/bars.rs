@@ -9,6 +9,8 @@ use super::canvas::{Area, Chart};
 use super::canvas::{AXIS_HEIGHT, FAINT, INK, MARGIN, UNDER_TITLE, WIDTH};
 use super::palette::Series;
 
+use raywarp_cli::failure::Result;
+
 /// Bars of all groups.
 #[derive(Clone, Debug)]
 pub struct Bars {
@@ -67,7 +69,7 @@ impl Bars {
     ///
     /// # Errors
     /// Where `plotters` fails, with its reason.
-    pub fn svg(&self) -> anyhow::Result<String> {
+    pub fn svg(&self) -> Result<String> {
         let frame = self.frame();
         let Frame { left, top, right, height, .. } = frame;
         card(top + height + AXIS_HEIGHT + MARGIN, &self.title, |area| {
@@ -87,7 +89,7 @@ impl Bars {
     }
 
     /// Draws a group whose upper edge is `y` pixels below that of the plot.
-    fn draw(&self, group: &Group, area: &Area, chart: &mut Chart, frame: &Frame, y: i32) -> anyhow::Result<()> {
+    fn draw(&self, group: &Group, area: &Area, chart: &mut Chart, frame: &Frame, y: i32) -> Result<()> {
         let &Frame { left, top, right, height, thickness } = frame;
         let x = self.x_axis();
         let middle = top + y + group_height(group, thickness) / 2;

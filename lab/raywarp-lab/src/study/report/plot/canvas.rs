@@ -1,6 +1,5 @@
 //! What all plots share: the card, its title, legends, texts and the frame of the axes.
 
-use anyhow::anyhow;
 use plotters::chart::{ChartBuilder, ChartContext};
 use plotters::coord::Shift;
 use plotters::prelude::{Cartesian2d, DrawingArea, IntoDrawingArea, PathElement, Rectangle, SVGBackend};
@@ -10,6 +9,8 @@ use plotters::style::{Color, FontStyle, IntoFont, RGBColor, TextStyle, WHITE};
 use super::axis::Axis;
 use super::palette::Series;
 use crate::study::report::document::clean;
+
+use raywarp_cli::failure::{Failure, Result};
 
 /// Width of every plot.
 pub const WIDTH: i32 = 760;
@@ -36,7 +37,7 @@ pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<Axis, Axis>>;
 
 /// A white card of some height with a title, and what `draw` puts on it.
-pub fn card(height: i32, title: &str, draw: impl FnOnce(&Area) -> anyhow::Result<()>) -> anyhow::Result<String> {
+pub fn card(height: i32, title: &str, draw: impl FnOnce(&Area) -> Result<()>) -> Result<String> {
     let mut svg = String::new();
     {
         let area = SVGBackend::with_string(&mut svg, (WIDTH as u32, height.max(1) as u32)).into_drawing_area();
@@ -58,7 +59,7 @@ pub fn legend_height(series: &[Series]) -> i32 {
 }
 
 /// Swatches and names, line after line from `top`.
-pub fn legend(area: &Area, top: i32, series: &[Series]) -> anyhow::Result<()> {
+pub fn legend(area: &Area, top: i32, series: &[Series]) -> Result<()> {
     for (one, (x, row)) in series.iter().zip(legend_places(series)) {
         let y = top + row * LEGEND_ROW;
         let swatch = Rectangle::new([(x, y + 2), (x + 11, y + 13)], one.colour.filled());
@@ -88,7 +89,7 @@ fn legend_places(series: &[Series]) -> Vec<(i32, i32)> {
 }
 
 /// A line of text whose middle is at `y`.
-pub fn text(area: &Area, text: &str, at: (i32, i32), size: i32, colour: RGBColor, side: HPos) -> anyhow::Result<()> {
+pub fn text(area: &Area, text: &str, at: (i32, i32), size: i32, colour: RGBColor, side: HPos) -> Result<()> {
     let style = TextStyle::from(font(size)).color(&colour).pos(Pos::new(side, VPos::Center));
     area.draw_text(&clean(text), &style, at).map_err(failed)
 }
@@ -119,7 +120,7 @@ pub fn lower_axis<'a, 'b>(
     (x, y): (Axis, Axis),
     name: &str,
     side: Side,
-) -> anyhow::Result<Chart<'a, 'b>> {
+) -> Result<Chart<'a, 'b>> {
     let mut chart = ChartBuilder::on(area)
         .margin_left(left - side.width())
         .margin_top(top)
@@ -166,18 +167,18 @@ impl Side {
 }
 
 /// A filled box of the chart, by its values.
-pub fn fill(chart: &mut Chart, corners: [(f64, f64); 2], colour: RGBColor) -> anyhow::Result<()> {
+pub fn fill(chart: &mut Chart, corners: [(f64, f64); 2], colour: RGBColor) -> Result<()> {
     chart.draw_series([Rectangle::new(corners, colour.filled())]).map_err(failed)?;
     Ok(())
 }
 
 /// A line through the chart, by its values.
-pub fn stroke(chart: &mut Chart, points: Vec<(f64, f64)>, colour: RGBColor, width: u32) -> anyhow::Result<()> {
+pub fn stroke(chart: &mut Chart, points: Vec<(f64, f64)>, colour: RGBColor, width: u32) -> Result<()> {
     chart.draw_series([PathElement::new(points, colour.stroke_width(width))]).map_err(failed)?;
     Ok(())
 }
 
 /// The sentence of a plot that could not be drawn.
-pub fn failed(error: impl std::fmt::Display) -> anyhow::Error {
-    anyhow!("cannot draw a plot of the report: {error}")
+pub fn failed(error: impl std::fmt::Display) -> Failure {
+    Failure::new(format_args!("cannot draw a plot of the report: {error}"))
 }

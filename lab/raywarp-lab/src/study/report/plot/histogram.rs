@@ -9,6 +9,8 @@ use super::canvas::{AXIS_HEIGHT, FAINT, INK, MARGIN, UNDER_TITLE, WIDTH};
 use crate::study::findings::Distribution;
 use crate::study::report::format::number;
 
+use raywarp_cli::failure::Result;
+
 /// All histograms of a plot.
 pub struct Histograms<'a> {
     /// Over the plot.
@@ -44,7 +46,7 @@ impl Histograms<'_> {
     ///
     /// # Errors
     /// Where `plotters` fails, with its reason.
-    pub fn svg(&self) -> anyhow::Result<String> {
+    pub fn svg(&self) -> Result<String> {
         let rows = self.panels.len().div_ceil(COLUMNS).max(1) as i32;
         let height = UNDER_TITLE + rows * PANEL_HEIGHT + MARGIN - UNDER_PANEL;
         card(height, &self.title, |area| {
@@ -58,12 +60,7 @@ impl Histograms<'_> {
         })
     }
 
-    fn draw(
-        &self,
-        area: &super::canvas::Area,
-        panel: &Panel,
-        (left, top, bottom): (i32, i32, i32),
-    ) -> anyhow::Result<()> {
+    fn draw(&self, area: &super::canvas::Area, panel: &Panel, (left, top, bottom): (i32, i32, i32)) -> Result<()> {
         let Distribution { median, p95, .. } = *panel.distribution;
         text(area, &shortened(&panel.name, 48), (left + MARGIN, top + 8), 12, INK, HPos::Left)?;
         let numbers = format!("median {} (line), 95 % within {} (pale line)", number(median), number(p95));

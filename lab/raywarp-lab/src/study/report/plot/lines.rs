@@ -8,6 +8,8 @@ use super::canvas::{card, failed, legend, legend_height, lower_axis, stroke, Sid
 use super::canvas::{AXIS_HEIGHT, MARGIN, UNDER_TITLE};
 use super::palette::Series;
 
+use raywarp_cli::failure::Result;
+
 /// All lines of a plot.
 #[derive(Clone, Debug)]
 pub struct Lines {
@@ -38,7 +40,7 @@ impl Lines {
     ///
     /// # Errors
     /// Where `plotters` fails, with its reason.
-    pub fn svg(&self) -> anyhow::Result<String> {
+    pub fn svg(&self) -> Result<String> {
         let names: Vec<Series> = self.lines.iter().map(|line| line.series.clone()).collect();
         let top = UNDER_TITLE + legend_height(&names);
         card(top + HEIGHT + AXIS_HEIGHT + MARGIN, &self.title, |area| {

@@ -10,6 +10,8 @@ use super::canvas::{AXIS_HEIGHT, INK, MARGIN, UNDER_TITLE, WIDTH};
 use super::palette::Series;
 use crate::study::report::format::percent;
 
+use raywarp_cli::failure::Result;
+
 /// All bars.
 #[derive(Clone, Debug)]
 pub struct Stacked {
@@ -40,7 +42,7 @@ impl Stacked {
     ///
     /// # Errors
     /// Where `plotters` fails, with its reason.
-    pub fn svg(&self) -> anyhow::Result<String> {
+    pub fn svg(&self) -> Result<String> {
         let top = UNDER_TITLE + legend_height(&self.parts);
         let plot_height = PITCH * self.stacks.len().max(1) as i32;
         card(top + plot_height + AXIS_HEIGHT + MARGIN, &self.title, |area| {

@@ -5,12 +5,13 @@ use super::super::plot::{Histograms, Panel};
 use super::Page;
 use crate::study::findings::{SceneStudy, TestCost};
 use raywarp_cli::columns::{left, right};
+use raywarp_cli::failure::Result;
 use raywarp_cli::paper;
 
 /// The rays whose histograms are shown.
 const SHOWN: &str = "primary";
 
-pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
+pub(super) fn show(page: &mut Page) -> Result<()> {
     page.document.section("tests", "Tests per ray");
     page.document.say(
         "Every node that a ray visits and every triangle that it tests is counted, a triangle that is tested twice as two. \
@@ -27,7 +28,7 @@ pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.each_scene("counts of tests", |scene| !scene.tests.is_empty(), scene)
 }
 
-fn scene(page: &mut Page, scene: &SceneStudy) -> anyhow::Result<()> {
+fn scene(page: &mut Page, scene: &SceneStudy) -> Result<()> {
     let rows: Vec<&TestCost> = scene.tests.iter().collect();
     let columns = [
         left("structure", |row: &&TestCost| row.structure.clone()),

@@ -6,11 +6,12 @@ use super::super::plot::{Line, Lines, Palette, Series};
 use super::{distinct, Page};
 use crate::study::findings::Growth;
 use raywarp_cli::columns::{left, right};
+use raywarp_cli::failure::Result;
 
 /// The name of the line to compare with.
 const GUIDE: &str = "N log N through the first point";
 
-pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
+pub(super) fn show(page: &mut Page) -> Result<()> {
     page.document.section("growth", "Growth of the time to build");
     page.document.say(
         "Each builder is given ever more triangles, strewn evenly in a cube, and timed, by all threads of the CPU: the least \

@@ -5,6 +5,7 @@ use super::super::plot::{Palette, Stack, Stacked};
 use super::{distinct, Page};
 use crate::study::findings::{LaneUse, SceneStudy};
 use raywarp_cli::columns::{left, right};
+use raywarp_cli::failure::Result;
 
 /// What a lane may do in a step, as the legend has it.
 const USES: [&str; 5] = [
@@ -15,7 +16,7 @@ const USES: [&str; 5] = [
     "has no ray of this kind",
 ];
 
-pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
+pub(super) fn show(page: &mut Page) -> Result<()> {
     page.document.section("lanes", "SIMD efficiency");
     page.document.say(
         "A model, the same on every device: warps of 32 lanes are followed on the CPU, all lanes in step, through each form \
@@ -26,7 +27,7 @@ pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.each_scene("counts of lanes", |scene| !scene.lanes.is_empty(), scene)
 }
 
-fn scene(page: &mut Page, scene: &SceneStudy) -> anyhow::Result<()> {
+fn scene(page: &mut Page, scene: &SceneStudy) -> Result<()> {
     let uses = Palette::of(USES);
     let kinds = distinct(scene.lanes.iter().map(|row| row.rays.as_str()));
     // Forms of the loop under one another, for each kind of rays.

@@ -6,8 +6,9 @@ use super::super::plot::{Histograms, Panel};
 use super::{distinct, Page};
 use crate::study::findings::{Load, SceneStudy};
 use raywarp_cli::columns::{left, right};
+use raywarp_cli::failure::Result;
 
-pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
+pub(super) fn show(page: &mut Page) -> Result<()> {
     page.document.section("load", "Load");
     page.document.say(
         "Every thread, one a pixel, measures its own time in a frame, by the kernel that counts tests. On a GPU the threads \
@@ -19,7 +20,7 @@ pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.each_scene("times of threads", |scene| !scene.loads.is_empty(), scene)
 }
 
-fn scene(page: &mut Page, scene: &SceneStudy) -> anyhow::Result<()> {
+fn scene(page: &mut Page, scene: &SceneStudy) -> Result<()> {
     let rows: Vec<&Load> = scene.loads.iter().collect();
     let columns = [
         left("structure", |row: &&Load| row.structure.clone()),
@@ -51,7 +52,7 @@ fn scene(page: &mut Page, scene: &SceneStudy) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn histograms(page: &mut Page, scene: &SceneStudy, rays: &str) -> anyhow::Result<()> {
+fn histograms(page: &mut Page, scene: &SceneStudy, rays: &str) -> Result<()> {
     let shown = scene.loads.iter().filter(|load| load.rays == rays && !load.time.histogram.is_empty());
     let panel = |load: &'_ Load| page.structures.series(&load.structure).colour;
     let panels: Vec<Panel> = shown

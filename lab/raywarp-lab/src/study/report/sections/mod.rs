@@ -16,11 +16,13 @@ use super::document::{Document, Picture};
 use super::plot::Palette;
 use crate::study::findings::{SceneStudy, Study};
 
+use raywarp_cli::failure::Result;
+
 /// The whole report.
 ///
 /// # Errors
 /// Where a plot cannot be drawn.
-pub fn document(study: &Study) -> anyhow::Result<Document> {
+pub fn document(study: &Study) -> Result<Document> {
     let mut page = Page::new(study);
     about::show(&mut page);
     let sections = [
@@ -69,8 +71,8 @@ impl<'a> Page<'a> {
         &mut self,
         what: &str,
         has: impl Fn(&SceneStudy) -> bool,
-        show: impl Fn(&mut Self, &'a SceneStudy) -> anyhow::Result<()>,
-    ) -> anyhow::Result<()> {
+        show: impl Fn(&mut Self, &'a SceneStudy) -> Result<()>,
+    ) -> Result<()> {
         let study = self.study;
         if !study.scenes.iter().any(&has) {
             self.document.say(format!("This run has no {what}."));

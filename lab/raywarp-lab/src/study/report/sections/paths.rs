@@ -5,8 +5,9 @@ use super::super::plot::{Bar, Bars, Group, Palette};
 use super::{distinct, Page};
 use crate::study::findings::{PathWay, SceneStudy};
 use raywarp_cli::columns::{left, right};
+use raywarp_cli::failure::Result;
 
-pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
+pub(super) fn show(page: &mut Page) -> Result<()> {
     page.document.section("paths", "Paths of several bounces");
     page.document.say(
         "The same paths are traced by one kernel from end to end, and bounce by bounce with rays that have ended taken out \
@@ -17,7 +18,7 @@ pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.each_scene("paths", |scene| !scene.paths.is_empty(), scene)
 }
 
-fn scene(page: &mut Page, scene: &SceneStudy) -> anyhow::Result<()> {
+fn scene(page: &mut Page, scene: &SceneStudy) -> Result<()> {
     let plot = bars(scene);
     page.plot(scene, "paths", plot.svg()?, "Rays of all bounces a second, by kind of path and way, with the gain.");
     let rows: Vec<&PathWay> = scene.paths.iter().collect();

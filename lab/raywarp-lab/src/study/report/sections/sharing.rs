@@ -5,9 +5,10 @@ use super::super::plot::{Bar, Bars, Group};
 use super::{distinct, Page};
 use crate::study::findings::{BlockShape, SceneStudy, Sharing};
 use raywarp_cli::columns::{left, right, Column};
+use raywarp_cli::failure::Result;
 use raywarp_cli::paper;
 
-pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
+pub(super) fn show(page: &mut Page) -> Result<()> {
     page.document.section("sharing", "Sharing out the work");
     page.document.say(
         "The same rays are traced through a BVH2, medium, in several ways; the ways of a group differ in one thing alone. \
@@ -26,7 +27,7 @@ pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.each_scene("ways to share out the work", has, scene)
 }
 
-fn scene(page: &mut Page, scene: &SceneStudy) -> anyhow::Result<()> {
+fn scene(page: &mut Page, scene: &SceneStudy) -> Result<()> {
     for name in distinct(scene.sharing.iter().map(|row| row.group.as_str())) {
         let rows: Vec<&Sharing> = scene.sharing.iter().filter(|row| row.group == name).collect();
         group(page, scene, name, &rows)?;
@@ -35,7 +36,7 @@ fn scene(page: &mut Page, scene: &SceneStudy) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn group(page: &mut Page, scene: &SceneStudy, name: &str, rows: &[&Sharing]) -> anyhow::Result<()> {
+fn group(page: &mut Page, scene: &SceneStudy, name: &str, rows: &[&Sharing]) -> Result<()> {
     let svg = bars(page, scene, name, rows).svg()?;
     let caption = format!("Gain by {name}; the line is the plain way.");
     page.plot(scene, &format!("sharing {name}"), svg, caption);

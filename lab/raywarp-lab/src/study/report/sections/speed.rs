@@ -5,6 +5,7 @@ use super::super::plot::{shortened, Bar, Bars, Group};
 use super::{distinct, Page};
 use crate::study::findings::{FrameTime, SceneStudy, Structure};
 use raywarp_cli::columns::{left, right, Column};
+use raywarp_cli::failure::Result;
 use raywarp_cli::paper;
 
 /// Structures whose bars a legend can tell apart; with more of them each bar has its name.
@@ -12,7 +13,7 @@ const TOLD_APART: usize = 8;
 /// Letters of those names at most.
 const NAME_LETTERS: usize = 30;
 
-pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
+pub(super) fn show(page: &mut Page) -> Result<()> {
     page.document.section("speed", "Speed by structure");
     page.document.say(
         "Batches of rays of a kind are traced by each structure, and whole frames are rendered: 'primary' without shadows \
@@ -31,7 +32,7 @@ pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.each_scene("times of rays or frames", |scene| scene.structures.iter().any(timed), scene)
 }
 
-fn scene(page: &mut Page, scene: &SceneStudy) -> anyhow::Result<()> {
+fn scene(page: &mut Page, scene: &SceneStudy) -> Result<()> {
     let rated: Vec<&Structure> = scene.structures.iter().filter(|one| !one.rates.is_empty()).collect();
     if !rated.is_empty() {
         let svg = bars(page, scene, &rated).svg()?;

@@ -5,11 +5,12 @@ use super::super::plot::{Palette, Stack, Stacked};
 use super::Page;
 use crate::study::findings::{SceneStudy, StageShares};
 use raywarp_cli::columns::{left, right};
+use raywarp_cli::failure::Result;
 use raywarp_cli::paper;
 
 const STAGES: [&str; 3] = ["generation", "intersection", "shading"];
 
-pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
+pub(super) fn show(page: &mut Page) -> Result<()> {
     page.document.section("stages", "Where the time goes");
     page.document.say(
         "Clocks are read within the kernel around the making of rays, the search for what they hit, and the shading, and \
@@ -20,7 +21,7 @@ pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.each_scene("times of stages", |scene| !scene.shares.is_empty(), scene)
 }
 
-fn scene(page: &mut Page, scene: &SceneStudy) -> anyhow::Result<()> {
+fn scene(page: &mut Page, scene: &SceneStudy) -> Result<()> {
     let stages = Palette::of(["intersection", "generation", "shading"]);
     let stack = |row: &StageShares| Stack {
         name: format!("{}, {}", row.structure, row.rays),

@@ -5,10 +5,11 @@ use super::super::plot::{Bar, Bars, Group};
 use super::Page;
 use crate::study::findings::{SceneStudy, Structure};
 use raywarp_cli::columns::{left, right, Column};
+use raywarp_cli::failure::Result;
 use raywarp_cli::messages;
 use raywarp_cli::paper;
 
-pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
+pub(super) fn show(page: &mut Page) -> Result<()> {
     page.document.section("structures", "Structures");
     page.document.say(
         "Each structure is built over the same triangles, once, by all threads of the CPU, and its arrays are counted. \
@@ -21,7 +22,7 @@ pub(super) fn show(page: &mut Page) -> anyhow::Result<()> {
     page.each_scene("structures", |scene| !scene.structures.is_empty(), scene)
 }
 
-fn scene(page: &mut Page, scene: &SceneStudy) -> anyhow::Result<()> {
+fn scene(page: &mut Page, scene: &SceneStudy) -> Result<()> {
     let rows: Vec<&Structure> = scene.structures.iter().collect();
     page.document.table("Size, quality and time to build of each structure.", &columns(scene.triangles), &rows);
 
