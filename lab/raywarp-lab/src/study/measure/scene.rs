@@ -72,7 +72,7 @@ pub fn scene(
 ) -> anyhow::Result<SceneStudy> {
     let triangles = opaque_triangles(scene)?;
     anyhow::ensure!(!triangles.is_empty(), "the scene '{}' has no triangle that a ray can hit", subject.name);
-    let camera = subject.view.adjust(default_camera(scene, &triangles));
+    let camera = subject.view.adjust(default_camera(scene));
     let tree = Tree::build(PLAIN, triangles.clone())?;
     let source = RaySource::new(&triangles, &camera, setting.size)?;
     let primary = source.primary();
