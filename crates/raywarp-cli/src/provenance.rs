@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use raywarp::image::{Development, Layer, Provenance};
 use raywarp::render::RenderOptions;
-use raywarp::scene::{degrees, Camera, Projection};
+use raywarp::scene::{axis_name, degrees, Camera, Projection};
 use xxhash_rust::xxh3::{xxh3_128, Xxh3};
 
 use crate::values::Backdrop;
@@ -73,19 +73,8 @@ fn camera_flags(camera: &Camera, scene_up: Option<[f32; 3]>) -> String {
         Projection::Perspective { fov_y } => format!("--fov {}", degrees(fov_y)),
         Projection::Orthographic { height } => format!("--ortho {height:?}"),
     };
-    let up = scene_up.map_or(up, |up| axis_name(up).to_owned());
+    let up = scene_up.and_then(axis_name).map_or(up, str::to_owned);
     format!("--eye={eye} --target={target} --up={up} {lens}")
-}
-
-fn axis_name(axis: [f32; 3]) -> &'static str {
-    match axis.map(|x| x as i32) {
-        [1, 0, 0] => "+X",
-        [-1, 0, 0] => "-X",
-        [0, -1, 0] => "-Y",
-        [0, 0, 1] => "+Z",
-        [0, 0, -1] => "-Z",
-        _ => "+Y",
-    }
 }
 
 /// A number of the contents of all files of a scene, wherever they lie. One that is missing counts as that.

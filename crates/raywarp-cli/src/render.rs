@@ -9,7 +9,7 @@ use raywarp::accel::Build;
 use raywarp::backend::Device;
 use raywarp::image::{Development, Layers, Picture};
 use raywarp::render::{self, Progress, Rendering, Tracer};
-use raywarp::scene::{load, Camera, LoadOptions, Loaded, RenderDefaults};
+use raywarp::scene::{load, Camera, LoadOptions, Loaded, RenderDefaults, Viewpoint};
 use raywarp::write::Outputs;
 
 use crate::frames;
@@ -140,7 +140,9 @@ impl<'a> Setup<'a> {
     /// Builds the tree and says what there is to say about the scene.
     pub fn set(options: &'a RenderOptions, overrides: RenderDefaults, loaded: &'a Loaded) -> anyhow::Result<Self> {
         let [width, height] = overrides.size().map(f64::from);
-        let camera = render::chosen_camera(&loaded.scene, &options.camera.viewpoint(), width / height)?;
+        let turning = options.frames.orbit.is_some();
+        let viewpoint = Viewpoint { turning, ..options.camera.viewpoint() };
+        let camera = render::chosen_camera(&loaded.scene, &viewpoint, width / height)?;
         let device = Device::open(options.machine.device)?;
         let what = options.machine.build(&loaded.scene, &device);
         let tracer = Tracer::new(&loaded.scene, what, &device)?;

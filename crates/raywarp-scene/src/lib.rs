@@ -21,7 +21,7 @@ mod viewpoint;
 pub mod write;
 
 pub use background::Background;
-pub use camera::{degrees, radians, Camera, Projection};
+pub use camera::{axis_name, degrees, radians, Camera, Projection};
 pub use image::Image;
 pub use light::{Light, LightKind};
 pub use load::{LoadError, LoadOptions, Loaded, Warning};

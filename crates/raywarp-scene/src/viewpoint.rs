@@ -27,6 +27,8 @@ pub struct Viewpoint {
     pub elevation: Option<f64>,
     /// It is framed, and so many times as large as a whole view of it.
     pub zoom: Option<f64>,
+    /// Where it is framed it stays in sight as the camera turns about its upward axis.
+    pub turning: bool,
     /// Which way is up in the scene itself: see [`Scene::up`](crate::Scene::up).
     pub scene_up: Option<[f32; 3]>,
 }

@@ -61,6 +61,7 @@ impl CameraOptions {
             azimuth: self.azimuth,
             elevation: self.elevation,
             zoom: self.zoom,
+            turning: false,
             scene_up: self.up.filter(|up| up.is_axis).map(|up| up.direction),
         }
     }
