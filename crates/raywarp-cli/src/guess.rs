@@ -1,6 +1,7 @@
 //! Flags of other programs, and which of raywarp's do what they do there.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
+use std::path::Path;
 
 use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -13,21 +14,43 @@ pub fn parse() -> Result<Options, clap::Error> {
     parse_from(std::env::args_os().collect())
 }
 
-fn parse_from(words: Vec<OsString>) -> Result<Options, clap::Error> {
+fn parse_from(mut words: Vec<OsString>) -> Result<Options, clap::Error> {
+    if words.get(1).is_some_and(|word| is_scene(word)) {
+        words.insert(1, "view".into());
+    }
     Options::try_parse_from(&words).map_err(|error| with_tip(error, &words))
 }
 
+/// Whether a word in the place of a command is a scene to be viewed: a file that is there, or one with such a name.
+fn is_scene(word: &OsStr) -> bool {
+    if Options::command().find_subcommand(word).is_some() || word.to_string_lossy().starts_with('-') {
+        return false;
+    }
+    let path = Path::new(word);
+    path.is_file()
+        || path.extension().is_some_and(|extension| SCENES.iter().any(|scene| extension.eq_ignore_ascii_case(scene)))
+}
+
+/// Extensions of scenes.
+const SCENES: [&str; 6] = ["obj", "ply", "stl", "gltf", "glb", "toml"];
+
 /// Flags as people guess them, and what to write instead, which begins with a flag of raywarp.
-const GUESSES: [(&[&str], &str); 23] = [
+const GUESSES: [(&[&str], &str); 29] = [
     (&["width", "height", "resolution", "res", "image-size", "dimensions"], "--size 1920x1080"),
     (&["sample", "samples-per-pixel", "aa", "antialias", "antialiasing", "num-samples"], "--samples 16"),
     (&["bounces", "max-bounces", "depth", "recursion", "max-recursion", "ray-depth"], "--max-depth 8"),
     (&["look-at", "lookat", "at", "center", "centre", "look", "focus"], "--target 0,1,0"),
     (&["from", "position", "pos", "origin", "camera-position", "look-from", "cam-pos"], "--eye 3,2,5"),
-    (&["cam", "view-camera"], "--camera NAME"),
+    (&["cam", "camera-index"], "--camera NAME"),
+    (&["up-axis", "up-direction", "camera-view-up", "z-up"], "--up +Z"),
     (&["fovy", "vfov", "angle", "field-of-view"], "--fov 40"),
     (&["orthographic", "parallel"], "--ortho 2.5"),
-    (&["bg", "background-color", "background-colour", "sky"], "--background COLOUR"),
+    (&["bg", "bg-color", "background-color", "background-colour", "sky"], "--background COLOUR"),
+    (&["transparent", "transparency", "no-background", "film-transparent"], "--background none"),
+    (&["side", "direction", "camera-direction", "front", "top", "isometric"], "--view front"),
+    (&["yaw", "heading", "camera-azimuth-angle", "theta"], "--azimuth 30"),
+    (&["pitch", "altitude", "camera-elevation-angle", "phi"], "--elevation 20"),
+    (&["zoom-factor", "camera-zoom-factor", "fit", "scale"], "--zoom 1.2"),
     (&["out", "outfile", "output-file", "save", "write"], "--output FILE"),
     (&["jobs", "num-threads", "cores", "nproc", "cpus"], "--threads 4"),
     (&["gpu", "cpu", "cuda", "backend"], "--device cuda"),
@@ -72,6 +95,7 @@ fn tip(flag: &str, words: &[OsString]) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::options::Command;
 
     fn said(words: &[&str]) -> String {
         parse_from(words.iter().map(OsString::from).collect()).unwrap_err().to_string()
@@ -86,6 +110,9 @@ mod tests {
             (["raywarp", "serve", "--look-at", "0,0,0"], "'--target 0,1,0'"),
             (["raywarp", "bench", "--jobs", "2"], "'--threads 4'"),
             (["raywarp", "render", "--gpu", "a.obj"], "'--device cuda'"),
+            (["raywarp", "render", "--bg=white", "a.obj"], "'--background COLOUR'"),
+            (["raywarp", "a.obj", "--up-axis", "z"], "'--up +Z'"),
+            (["raywarp", "view", "--pitch", "20"], "'--elevation 20'"),
         ] {
             let said = said(&words);
             assert!(said.contains("unexpected argument") && said.contains(flag), "{said}");
@@ -96,13 +123,28 @@ mod tests {
     }
 
     #[test]
+    fn a_scene_without_a_command_is_viewed() {
+        let scene = |words: &[&str]| match parse_from(words.iter().map(OsString::from).collect()).unwrap().command {
+            Some(Command::View(options)) => options.scene,
+            _ => None,
+        };
+        assert_eq!(scene(&["raywarp", "missing.GLB"]), Some("missing.GLB".into()));
+        assert_eq!(scene(&["raywarp", "model.obj", "--watch", "--view", "front"]), Some("model.obj".into()));
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let path = file.path().to_str().unwrap();
+        assert_eq!(scene(&["raywarp", path]), Some(path.into()));
+        assert!(said(&["raywarp", "rendr"]).contains("unrecognized subcommand"));
+        assert_eq!(scene(&["raywarp", "render", "model.obj"]), None);
+    }
+
+    #[test]
     fn no_guess_is_a_flag_itself_and_every_tip_is_one() {
         let commands = Options::command();
         let flags: Vec<_> = commands.get_subcommands().flat_map(|command| command.get_arguments()).collect();
         let is_flag = |name: &str| flags.iter().any(|flag| flag.get_long() == Some(name));
         for (guesses, instead) in GUESSES {
             let flag = instead.trim_start_matches('-').split(' ').next().unwrap();
-            assert!(is_flag(flag) || flag == "background", "{instead}");
+            assert!(is_flag(flag), "{instead}");
             let render = commands.find_subcommand("render").unwrap();
             let taken = guesses.iter().find(|guess| render.get_arguments().any(|flag| flag.get_long() == Some(guess)));
             assert_eq!(taken, None);

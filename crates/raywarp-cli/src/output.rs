@@ -11,6 +11,7 @@ use crate::interrupt::Interrupt;
 use crate::messages;
 use crate::options::{RenderOptions, StatsForm};
 use crate::provenance::Origin;
+use crate::values::Backdrop;
 
 /// The picture of a run that names none.
 const USUAL: &str = "raywarp.png";
@@ -31,14 +32,16 @@ pub struct Results<'a> {
     development: Development,
     heatmap_max: Option<u64>,
     provenance: Provenance,
+    is_transparent: bool,
     shown: OnceCell<Rgb8>,
 }
 
 impl<'a> Results<'a> {
     /// The picture; the layers, if any are asked for, with tests for a heat map; and what they were made of.
     pub fn new(picture: &'a Picture, layers: &'a Layers, origin: &Origin) -> Self {
-        let Origin { development, heatmap_max, .. } = *origin;
-        Self { picture, layers, development, heatmap_max, provenance: origin.provenance(), shown: OnceCell::new() }
+        let Origin { development, heatmap_max, background, .. } = *origin;
+        let (provenance, is_transparent) = (origin.provenance(), background == Some(Backdrop::None));
+        Self { picture, layers, development, heatmap_max, provenance, is_transparent, shown: OnceCell::new() }
     }
 
     /// The picture as a PNG shows it.
@@ -151,6 +154,9 @@ impl Plan {
     pub fn write(&self, results: &Results, target: Target, quiet: bool) -> Result<()> {
         for (path, format) in &self.pictures {
             let bytes = match format {
+                Format::Png if results.is_transparent => {
+                    png::encode_transparent(results.picture, &results.development, Some(&results.provenance))?
+                }
                 Format::Png => png::encode_described(results.shown(), Some(&results.provenance))?,
                 Format::Exr => {
                     let (layers, provenance) = (Some(results.layers), Some(&results.provenance));

@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 
 use raywarp::image::{Development, Layer, Provenance};
 use raywarp::render::RenderOptions;
-use raywarp::scene::{degrees, Camera, Projection};
+use raywarp::scene::{axis_name, degrees, Camera, Projection};
 use xxhash_rust::xxh3::{xxh3_128, Xxh3};
+
+use crate::values::Backdrop;
 
 /// The program, as its files name it.
 const SOFTWARE: &str = concat!("raywarp ", env!("CARGO_PKG_VERSION"));
@@ -22,6 +24,10 @@ pub struct Origin<'a> {
     pub options: RenderOptions,
     /// How PNG shows radiance.
     pub development: Development,
+    /// Instead of the scene's own.
+    pub background: Option<Backdrop>,
+    /// Which way is up in the scene, if that is not +Y.
+    pub scene_up: Option<[f32; 3]>,
     /// From where.
     pub camera: &'a Camera,
     /// Beside the picture.
@@ -50,22 +56,24 @@ impl Origin<'_> {
         let Development { exposure, tone_map } = self.development;
         let crop = crop.map(|[x0, y0, x1, y1]| format!(" --crop {x0},{y0},{x1},{y1}")).unwrap_or_default();
         let shadows = if shadows { "--shadows" } else { "--no-shadows" };
+        let background = self.background.map(|color| format!(" --background={color}")).unwrap_or_default();
         format!(
             "--size {width}x{height}{crop} --samples {spp} --max-depth {max_depth} {shadows} --seed {seed} \
-             --exposure={exposure} --tone-map {tone_map} {}",
-            camera_flags(self.camera)
+             --exposure={exposure} --tone-map {tone_map}{background} {}",
+            camera_flags(self.camera, self.scene_up)
         )
     }
 }
 
-/// Each number is read back to the same bits.
-fn camera_flags(camera: &Camera) -> String {
+/// Each number is read back to the same bits. An axis by its name turns the scene's sky too.
+fn camera_flags(camera: &Camera, scene_up: Option<[f32; 3]>) -> String {
     let vector = |[x, y, z]: [f32; 3]| format!("{x:?},{y:?},{z:?}");
     let [eye, target, up] = [camera.eye, camera.target, camera.up].map(vector);
     let lens = match camera.projection {
         Projection::Perspective { fov_y } => format!("--fov {}", degrees(fov_y)),
         Projection::Orthographic { height } => format!("--ortho {height:?}"),
     };
+    let up = scene_up.and_then(axis_name).map_or(up, str::to_owned);
     format!("--eye={eye} --target={target} --up={up} {lens}")
 }
 
@@ -115,6 +123,8 @@ mod tests {
             digest: 1,
             options: RenderOptions::default(),
             development: Development::default(),
+            background: None,
+            scene_up: None,
             camera: &camera,
             layers: &[],
             heatmap_max: None,
@@ -128,12 +138,14 @@ mod tests {
         let usual = fingerprint(|_| ());
         assert_eq!(usual, fingerprint(|origin| origin.options.count_tests = true));
         assert_eq!(usual, fingerprint(|origin| origin.scene = Some(Path::new("elsewhere/a.obj"))));
-        let changes: [&dyn Fn(&mut Origin); 7] = [
+        let changes: [&dyn Fn(&mut Origin); 9] = [
             &|origin| origin.digest = 2,
             &|origin| origin.options.spp = 2,
             &|origin| origin.options.crop = Some([0, 0, 9, 9]),
             &|origin| origin.options.shadows = false,
             &|origin| origin.development.exposure = -0.5,
+            &|origin| origin.background = Some(Backdrop::None),
+            &|origin| origin.scene_up = Some([0.0, 0.0, 1.0]),
             &|origin| origin.layers = &[Layer::Depth],
             &|origin| origin.heatmap_max = Some(9),
         ];

@@ -6,9 +6,9 @@ use std::time::Instant;
 use raywarp::accel::cache::Cache;
 use raywarp::accel::Build;
 use raywarp::device::Device;
-use raywarp::image::{Development, Layers};
+use raywarp::image::{Development, Layers, Picture};
 use raywarp::render::{self, Progress, Rendering, Tracer};
-use raywarp::scene::{load, Camera, LoadOptions, Loaded, RenderDefaults};
+use raywarp::scene::{load, Camera, LoadOptions, Loaded, RenderDefaults, Viewpoint};
 use raywarp::write::Outputs;
 
 use crate::failure::{Context, Result};
@@ -21,6 +21,7 @@ use crate::output::{Plan, Results, Target};
 use crate::progress::{Bar, Words};
 use crate::provenance::{digest, Origin};
 use crate::report::{SceneCounts, Seconds, Statistics};
+use crate::values::Backdrop;
 
 /// Renders a scene to files.
 pub fn run(options: &RenderOptions) -> Result<()> {
@@ -38,9 +39,10 @@ pub fn run(options: &RenderOptions) -> Result<()> {
     limit_threads(options.machine.threads)?;
 
     let start = Instant::now();
-    let loaded = read(options.scene.as_deref(), options.strict, &mut outputs)?;
+    let mut loaded = read(options.scene.as_deref(), options.strict, &mut outputs)?;
+    options.change(&mut loaded.scene);
     let load_seconds = start.elapsed().as_secs_f64();
-    let overrides = options.overrides().or(&loaded.scene.render);
+    let overrides = options.settings(&loaded.scene);
     let region = limits::check(render::RenderOptions::from(&overrides).size, options, &plan)?;
     let setup = Setup::set(options, overrides, &loaded)?;
 
@@ -48,6 +50,7 @@ pub fn run(options: &RenderOptions) -> Result<()> {
     let mut bar = Bar::new(options.quiet, Words::Render);
     let taken = shot.take(&mut |progress| bar.update(progress.done, Some(progress.total)))?;
     drop(bar);
+    say_nothing_seen(&setup, &taken.rendering.picture);
     let saving = Instant::now();
     let target = Target { run: &outputs, interrupt: &interrupt };
     plan.write(&shot.results(&taken, &shot.layers(&taken)?), target, options.quiet)?;
@@ -98,11 +101,22 @@ fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: 
     messages::warnings(&loaded.warnings);
     messages::notes(&loaded.notes);
     messages::dropped(&tracer.report().dropped);
-    let aimed = options.camera.eye.is_some() && options.camera.target.is_some() || options.frames.path.is_some();
+    let camera = &options.camera;
+    let placed = camera.eye.is_some() && camera.target.is_some();
+    let aimed = placed || camera.viewpoint().frames() || options.frames.path.is_some();
     for note in tracer.report().notes.iter().filter(|note| !(aimed && note.contains("framed"))) {
         messages::line(&format!("note: {note}"));
     }
     messages::fallback(device);
+}
+
+/// Says so where no ray of the camera met anything, which a crop may mean.
+fn say_nothing_seen(setup: &Setup, picture: &Picture) {
+    let sees = picture.pixels.iter().any(|pixel| pixel[3] > 0.0);
+    if sees || setup.options.quiet || setup.options.crop.is_some() || setup.tracer.report().triangles == 0 {
+        return;
+    }
+    messages::line("note: the camera sees nothing of the scene; --view front frames all of it");
 }
 
 /// A scene on a device, with a camera.
@@ -125,14 +139,15 @@ pub struct Setup<'a> {
 impl<'a> Setup<'a> {
     /// Builds the tree and says what there is to say about the scene.
     pub fn set(options: &'a RenderOptions, overrides: RenderDefaults, loaded: &'a Loaded) -> Result<Self> {
-        let viewpoint = options.camera.viewpoint();
-        let named = viewpoint.named(&loaded.scene.cameras)?;
+        let [width, height] = overrides.size().map(f64::from);
+        let turning = options.frames.orbit.is_some();
+        let viewpoint = Viewpoint { turning, ..options.camera.viewpoint() };
+        let camera = render::chosen_camera(&loaded.scene, &viewpoint, width / height)?;
         let device = Device::open(options.machine.device)?;
         let what = options.machine.build(&loaded.scene, &device);
         let tracer = Tracer::new(&loaded.scene, what, &device)?;
         tracer.report().dropped.allow(options.strict)?;
         say_notes(options, loaded, &device, &tracer);
-        let camera = viewpoint.adjust(named.unwrap_or(tracer.default_camera()).clone());
         let digest = digest(&loaded.files);
         Ok(Self { options, camera, tracer, overrides, loaded, digest, device, what })
     }
@@ -141,7 +156,8 @@ impl<'a> Setup<'a> {
     pub fn has_target(&self) -> bool {
         let extension = self.options.scene.as_deref().and_then(Path::extension).unwrap_or_default();
         let is_gltf = ["gltf", "glb"].iter().any(|gltf| extension.eq_ignore_ascii_case(gltf));
-        self.options.camera.target.is_some() || self.loaded.scene.cameras.is_empty() || !is_gltf
+        let viewpoint = self.options.camera.viewpoint();
+        viewpoint.target.is_some() || viewpoint.frames() || self.loaded.scene.cameras.is_empty() || !is_gltf
     }
 
     /// What is known before any picture of a size is taken.
@@ -209,7 +225,12 @@ impl Shot<'_> {
     }
 
     fn render(&self, count_tests: bool, progress: &mut dyn FnMut(Progress)) -> Result<Rendering> {
-        Ok(self.setup.tracer.render(self.camera, &self.library_options(count_tests), progress)?)
+        let tracer = &self.setup.tracer;
+        let mut rendering = tracer.render(self.camera, &self.library_options(count_tests), progress)?;
+        if self.setup.options.background == Some(Backdrop::None) {
+            tracer.cut_out(&mut rendering.picture, self.camera)?;
+        }
+        Ok(rendering)
     }
 
     /// The layers that the files want.
@@ -233,6 +254,8 @@ impl Shot<'_> {
             digest: self.setup.digest,
             options: self.library_options(false),
             development: Development::from(&self.setup.overrides),
+            background: self.setup.options.background,
+            scene_up: self.setup.loaded.scene.up,
             camera: self.camera,
             layers: self.plan.layers(),
             heatmap_max: self.setup.options.heatmap_max,

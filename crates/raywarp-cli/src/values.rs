@@ -1,6 +1,7 @@
 //! What the arguments of options mean, and which make no sense.
 
 use std::ffi::OsStr;
+use std::fmt;
 use std::marker::PhantomData;
 use std::str::FromStr;
 
@@ -9,6 +10,7 @@ use clap::{Arg, Command};
 use raywarp::render::MAX_SIDE;
 use raywarp::scene::radians;
 use raywarp::scene::schema::{Kind, Value};
+use raywarp::scene::srgb::srgb;
 
 /// `WxH` in pixels.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
@@ -46,6 +48,20 @@ pub fn vector(text: &str) -> Result<[f32; 3], String> {
     }
 }
 
+/// What is up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Upward {
+    /// Not zero.
+    pub direction: [f32; 3],
+    /// Whether it was an axis by its name.
+    pub is_axis: bool,
+}
+
+/// What is up: a direction; by the name of an axis, that of the scene too.
+pub fn upward(text: &str) -> Result<Upward, String> {
+    Ok(Upward { direction: direction(text)?, is_axis: !text.contains(',') })
+}
+
 /// A direction: `x,y,z`, or an axis such as `+Z`.
 pub fn direction(text: &str) -> Result<[f32; 3], String> {
     let direction = match text.to_ascii_lowercase().as_str() {
@@ -66,6 +82,54 @@ pub fn direction(text: &str) -> Result<[f32; 3], String> {
 /// A field of view in degrees.
 pub fn field_of_view(text: &str) -> Result<f64, String> {
     ranged(text, 0.001, 179.0).ok_or_else(|| "give an angle from 0.001 to 179 degrees".to_owned())
+}
+
+/// Degrees about an upward axis.
+pub fn azimuth(text: &str) -> Result<f64, String> {
+    ranged(text, -360.0, 360.0).ok_or_else(|| "give an angle from -360 to 360 degrees".to_owned())
+}
+
+/// Degrees above a horizon.
+pub fn elevation(text: &str) -> Result<f64, String> {
+    ranged(text, -90.0, 90.0).ok_or_else(|| "give an angle from -90 to 90 degrees".to_owned())
+}
+
+/// How many times as large.
+pub fn zoom(text: &str) -> Result<f64, String> {
+    ranged(text, 0.01, 100.0).ok_or_else(|| "give a factor from 0.01 to 100".to_owned())
+}
+
+/// What rays see that leave the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Backdrop {
+    /// Nothing: pixels there are transparent.
+    None,
+    /// One linear colour all around.
+    Color([f32; 3]),
+}
+
+/// As [`backdrop`] reads it, to the same bits.
+impl fmt::Display for Backdrop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::None => f.write_str("none"),
+            Self::Color([r, g, b]) => write!(f, "{r:?},{g:?},{b:?}"),
+        }
+    }
+}
+
+/// A colour, or `none`.
+pub fn backdrop(text: &str) -> Result<Backdrop, String> {
+    let form = "give none, black, white, an sRGB colour such as #336699, or a linear one such as 0.2,0.4,0.6";
+    let color = match text.to_ascii_lowercase().as_str() {
+        "none" => return Ok(Backdrop::None),
+        "black" => Some([0.0; 3]),
+        "white" => Some([1.0; 3]),
+        _ if text.starts_with('#') => srgb(text),
+        _ => numbers::<f32, 3>(text).or_else(|| numbers::<f32, 1>(text).map(|[grey]| [grey; 3])),
+    };
+    let color = color.filter(|color| Kind::Color.takes(Value::Triple(*color)));
+    color.map(Backdrop::Color).ok_or_else(|| form.to_owned())
 }
 
 /// Height of a picture by parallel rays.
@@ -211,6 +275,20 @@ mod tests {
         assert_eq!(direction("-Z"), Ok([0.0, 0.0, -1.0]));
         assert!(vector("1,2,nan").is_err() && vector("inf,0,0").is_err() && vector("1,2").is_err());
         assert!(direction("0,0,0").is_err() && direction("up").is_err());
+    }
+
+    #[test]
+    fn backgrounds_are_colours_or_none() {
+        assert_eq!(backdrop("none"), Ok(Backdrop::None));
+        assert_eq!(backdrop("0.25,0.5,2"), Ok(Backdrop::Color([0.25, 0.5, 2.0])));
+        for white in ["#ffffff", "white", "1", "1,1,1"] {
+            assert_eq!(backdrop(white), Ok(Backdrop::Color([1.0; 3])), "{white}");
+        }
+        for text in ["", "#fff", "#12345g", "-1", "nan", "1,2", "sky"] {
+            assert!(backdrop(text).is_err(), "{text}");
+        }
+        let color = backdrop("#336699").unwrap();
+        assert_eq!(backdrop(&color.to_string()), Ok(color));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! `raywarp view`: the window where it is installed, else the page in a browser.
 
 use std::env;
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -32,10 +32,17 @@ fn find(beside: Option<&Path>, path: &OsStr) -> Option<PathBuf> {
     folders.map(|folder| folder.join(WINDOW)).find(|program| program.is_file())
 }
 
-/// Gives the words after `view` to the window's program, which has the same options.
+/// The words after `view`, which may be left out before a scene.
+fn words(mut given: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    given.next();
+    let first = given.next().filter(|word| word != "view");
+    first.into_iter().chain(given).collect()
+}
+
+/// Gives the words to the window's program, which has the same options.
 fn start(program: &Path) -> Result<()> {
     let mut command = Command::new(program);
-    command.args(env::args_os().skip(2));
+    command.args(words(env::args_os()));
     let failed = || format!("cannot start {}", program.display());
     #[cfg(unix)]
     {
@@ -53,6 +60,14 @@ fn start(program: &Path) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_window_gets_the_words_of_the_viewer() {
+        for given in [["raywarp", "view", "a.obj"].as_slice(), &["raywarp", "a.obj"]] {
+            assert_eq!(words(given.iter().map(OsString::from)), ["a.obj"]);
+        }
+        assert!(words(["raywarp", "view"].iter().map(OsString::from)).is_empty());
+    }
 
     #[test]
     fn the_window_beside_the_program_comes_before_one_on_the_path() {

@@ -222,3 +222,72 @@ fn bench_of_frames_times_every_structure_and_counts_its_rays() {
     let table = table.out();
     assert_eq!(table.lines().filter(|line| line.starts_with("| bvh |")).count(), 2, "{table}");
 }
+
+/// A unit square that faces +Z, without a camera or a light.
+const SQUARE: &str = "v -0.5 -0.5 0\nv 0.5 -0.5 0\nv 0.5 0.5 0\nv -0.5 0.5 0\nf 1 2 3 4\n";
+
+/// Columns and rows that something covers, of a picture with transparent pixels.
+fn covered(path: &Path) -> [u32; 4] {
+    let image = image::open(path).unwrap().to_rgba8();
+    let there = image.enumerate_pixels().filter(|(_, _, pixel)| pixel.0[3] > 0);
+    there.fold([u32::MAX, 0, u32::MAX, 0], |[left, right, top, bottom], (x, y, _)| {
+        [left.min(x), right.max(x), top.min(y), bottom.max(y)]
+    })
+}
+
+#[test]
+fn what_is_framed_takes_four_fifths_of_a_side() {
+    let place = place();
+    place.write("a.obj", SQUARE);
+    let framed = |more: &[&str], size: &str| {
+        let common = ["a.obj", "--background", "none", "--samples", "64", "--size", size];
+        place.render(&[&common as &[&str], more].concat()).succeeds();
+        covered(&place.path("raywarp.png"))
+    };
+    assert_eq!(framed(&["--view", "front"], "200x100"), [60, 139, 10, 89]);
+    assert_eq!(framed(&["--view", "back"], "100x200"), [10, 89, 60, 139]);
+    assert_eq!(framed(&["--view", "top", "--up", "+Z"], "200x100"), [60, 139, 10, 89]);
+    assert_eq!(framed(&["--azimuth", "0", "--elevation", "0", "--zoom", "0.5"], "200x100"), [80, 119, 30, 69]);
+    let [left, right, top, bottom] = framed(&[], "200x200");
+    assert!((158..=160).contains(&(right - left + 1).max(bottom - top + 1)));
+}
+
+#[test]
+fn a_background_is_a_colour_or_transparent() {
+    let place = place();
+    let common = ["scene.toml", "--size", "9x9", "--camera", "near"];
+    let pixel = |background: &str, index: usize| {
+        place.render(&[&common as &[&str], &["--background", background]].concat()).succeeds();
+        image::open(place.path("raywarp.png")).unwrap().to_rgba8().pixels().nth(index).unwrap().0
+    };
+    assert_eq!(pixel("#336699", 0), [0x33, 0x66, 0x99, 255]);
+    assert_eq!(pixel("#336699", 40), [188, 0, 0, 255]);
+    assert_eq!(pixel("none", 0), [0; 4]);
+    assert_eq!(pixel("none", 40), [188, 0, 0, 255]);
+    place.render(&[&common as &[&str], &["--background", "none", "-o", "a.exr"]].concat()).succeeds();
+    let alpha = exr_channel(&place.path("a.exr"), "A").1;
+    let green = exr_channel(&place.path("a.exr"), "G").1;
+    assert_eq!((alpha[0], green[0], alpha[40], green[40]), (0.0, 0.0, 1.0, 0.0));
+    place.render(&["scene.toml", "--background", "sky"]).fails(2, "give none, black, white, an sRGB colour");
+}
+
+#[test]
+fn a_camera_that_sees_nothing_is_told() {
+    let place = place();
+    let said = "the camera sees nothing of the scene; --view front frames all of it";
+    place.render(&["scene.toml", "--size", "9x9", "--camera", "away"]).says(said);
+    assert!(!place.render(&["scene.toml", "--size", "9x9"]).succeeds().err().contains(said));
+}
+
+#[test]
+fn an_axis_that_is_up_turns_the_built_in_sky_and_sun() {
+    let place = place();
+    // Lying on the ground where +Y is up, and where +Z is.
+    place.write("y.obj", "v 0 0 0\nv 0 0 1\nv 1 0 0\nv 0.25 0.5 0.25\nf 1 2 3\nf 1 3 4\n");
+    place.write("z.obj", "v 0 0 0\nv 0 -1 0\nv 1 0 0\nv 0.25 -0.25 0.5\nf 1 2 3\nf 1 3 4\n");
+    place.render(&["y.obj", "--size", "40x30", "-o", "y.png"]).succeeds();
+    place.render(&["z.obj", "--size", "40x30", "-o", "z.png", "--up", "+Z"]).succeeds();
+    let ((_, _, y), (_, _, z)) = (png(&place.path("y.png")), png(&place.path("z.png")));
+    let farthest = y.iter().flatten().zip(z.iter().flatten()).map(|(a, b)| a.abs_diff(*b)).max();
+    assert!(farthest <= Some(2), "{farthest:?}");
+}

@@ -30,6 +30,19 @@ pub enum Projection {
     },
 }
 
+/// The name of a direction that is an axis, such as "+Z".
+pub fn axis_name(direction: [f32; 3]) -> Option<&'static str> {
+    let axes = [
+        ("+X", [1.0, 0.0, 0.0]),
+        ("-X", [-1.0, 0.0, 0.0]),
+        ("+Y", [0.0, 1.0, 0.0]),
+        ("-Y", [0.0, -1.0, 0.0]),
+        ("+Z", [0.0, 0.0, 1.0]),
+        ("-Z", [0.0, 0.0, -1.0]),
+    ];
+    axes.into_iter().find(|(_, axis)| *axis == direction).map(|(name, _)| name)
+}
+
 /// Radians of an angle in degrees: one rounding, so each angle in radians is the image of some angle in degrees.
 pub fn radians(degrees: f64) -> f32 {
     degrees.to_radians() as f32

@@ -21,7 +21,7 @@ mod viewpoint;
 pub mod write;
 
 pub use background::Background;
-pub use camera::{degrees, radians, Camera, Projection};
+pub use camera::{axis_name, degrees, radians, Camera, Projection};
 pub use image::Image;
 pub use light::{Light, LightKind};
 pub use load::{LoadError, LoadOptions, Loaded, Warning};
@@ -29,7 +29,7 @@ pub use material::{AlphaMode, Channel, Filter, Material, NormalMap, Texture, UvS
 pub use mesh::{Instance, Mesh, Transform};
 pub use path::{CameraKey, CameraPath, PathError};
 pub use settings::RenderDefaults;
-pub use viewpoint::{UnknownCamera, Viewpoint};
+pub use viewpoint::{Side, UnknownCamera, UnknownSide, Viewpoint};
 
 /// Everything that a picture needs. Meshes are placed by instances: a mesh without an instance is not seen.
 #[derive(Clone, Debug, Default)]
@@ -54,6 +54,8 @@ pub struct Scene {
     pub ambient: Option<[f32; 3]>,
     /// Defaults for the options of rendering.
     pub render: RenderDefaults,
+    /// Which way is up, for what the renderer adds by its own choice: a camera that frames, a sun, a sky. `None`: +Y.
+    pub up: Option<[f32; 3]>,
 }
 
 impl Scene {
@@ -71,6 +73,7 @@ impl Scene {
             background: self.background,
             ambient: self.ambient,
             render: self.render,
+            up: self.up,
         }
     }
 }

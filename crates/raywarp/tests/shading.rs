@@ -61,7 +61,7 @@ fn seen(scene: &Scene, camera: &Camera, depth: u32) -> [f32; 3] {
     let name = std::env::var("RAYWARP_TEST_DEVICE").unwrap_or_else(|_| "cpu".to_owned());
     let device = Device::open(name.parse::<DeviceChoice>().unwrap()).unwrap();
     let tracer = Tracer::new(scene, AccelKind::Bvh, &device).unwrap();
-    let options = RenderOptions { size: [1, 1], max_depth: depth, ..RenderOptions::default() };
+    let options = RenderOptions { size: [1, 1], spp: 1, max_depth: depth, ..RenderOptions::default() };
     let [r, g, b, _] = tracer.render(camera, &options, &mut |_| ()).unwrap().picture.pixels[0];
     [r, g, b]
 }

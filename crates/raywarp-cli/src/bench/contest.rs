@@ -61,7 +61,7 @@ impl Contest<'_> {
     pub fn measure(&mut self, subject: &Subject, scene: &Scene, results: &mut Results) -> Result<()> {
         let triangles = opaque_triangles(scene)?;
         ensure!(!triangles.is_empty(), "the scene '{}' has no triangle that a ray can hit", subject.name);
-        let camera = subject.view.adjust(default_camera(scene, &triangles));
+        let camera = subject.view.adjust(default_camera(scene));
         let source = RaySource::new(&triangles, &camera, results.size)?;
         let entrants = self.entrants(&subject.name, &triangles)?;
         self.show_scene(&triangles, results)?;

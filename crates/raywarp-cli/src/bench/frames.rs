@@ -82,7 +82,8 @@ impl Bench {
         self.triangles = tracer.report().triangles;
         let camera = tracer.default_camera();
         let render = |max_depth, shadows, count_tests| -> Result<Rendering> {
-            let picture = RenderOptions { size: self.size, max_depth, shadows, count_tests, ..Default::default() };
+            let picture =
+                RenderOptions { size: self.size, spp: 1, max_depth, shadows, count_tests, ..Default::default() };
             Ok(tracer.render(camera, &picture, &mut |_| ())?)
         };
         for (rays, max_depth, shadows) in [("primary", 0, false), ("all", 5, true)] {

@@ -72,7 +72,7 @@ fn orbit(setup: &Setup) -> Orbit {
         // Any point of the line of sight gives the same first frame; this one keeps the scene in sight.
         false => nearest_in_sight(&camera, middle(setup.tracer.report().bounds)),
     };
-    Orbit { centre, axis: options.camera.up.unwrap_or([0.0, 1.0, 0.0]), camera }
+    Orbit { centre, axis: options.camera.viewpoint().upward(), camera }
 }
 
 fn middle([low, high]: [[f32; 3]; 2]) -> [f32; 3] {

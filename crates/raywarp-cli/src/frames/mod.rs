@@ -18,7 +18,7 @@ use raywarp::render;
 use raywarp::scene::Camera;
 use raywarp::write::Outputs;
 
-use crate::failure::Result;
+use crate::failure::{ensure, Result};
 use crate::interrupt::Interrupt;
 use crate::limits;
 use crate::messages;
@@ -27,6 +27,7 @@ use crate::output::{Plan, Target};
 use crate::progress::{Bar, Words, THOUSAND};
 use crate::render::{limit_threads, read, say_statistics, Setup, Shot};
 use crate::report::{FrameCounts, Statistics};
+use crate::values::Backdrop;
 
 use animation::Animation;
 use files::{FrameFiles, There};
@@ -48,10 +49,11 @@ pub fn run(options: &RenderOptions, range: Range) -> Result<()> {
     limit_threads(options.machine.threads)?;
 
     let start = Instant::now();
-    let loaded = read(options.scene.as_deref(), options.strict, &mut outputs)?;
+    let mut loaded = read(options.scene.as_deref(), options.strict, &mut outputs)?;
+    options.change(&mut loaded.scene);
     let load_seconds = start.elapsed().as_secs_f64();
     let path = options.frames.path.as_deref().map(|name| flight::named(&loaded.scene.paths, name)).transpose()?;
-    let overrides = options.overrides().or(&loaded.scene.render);
+    let overrides = options.settings(&loaded.scene);
     let size = check(render::RenderOptions::from(&overrides).size, options, &files.plan(range.first)?)?;
     let setup = Setup::set(options, overrides, &loaded)?;
     let flight = Flight::new(&setup, path, whole);
@@ -83,6 +85,10 @@ fn name(options: &RenderOptions, range: Range, outputs: &mut Outputs, interrupt:
 fn check(size: [u32; 2], options: &RenderOptions, plan: &Plan) -> Result<[u32; 2]> {
     let region = limits::check(size, options, plan)?;
     if let Some(path) = &options.frames.animation {
+        ensure!(
+            options.background != Some(Backdrop::None),
+            "an animation has no transparent pixels: leave --background none out, or write the frames as pictures"
+        );
         animation::check(path, region, options.frames.fps)?;
     }
     Ok(region)

@@ -48,7 +48,7 @@ const EXAMPLES: &str = "\
 Examples:
   raywarp                                  the built-in scene, to raywarp.png
   raywarp render model.obj -o picture.png  a model, framed and lit if it has no camera and no lights
-  raywarp view model.obj                   walk around it in a window or the browser
+  raywarp model.obj                        walk around it in a window or the browser
   raywarp query model.obj --rays rays.npy  what each of many rays hits, to hits.npz
   raywarp serve model.glb                  walk through a scene in a browser, also one far away
   raywarp info scene.gltf                  what is in a scene

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Parser, ValueEnum, ValueHint};
 use raywarp::image::Layer;
-use raywarp::scene::RenderDefaults;
+use raywarp::scene::{Background, RenderDefaults, Scene};
 
 use super::{CameraOptions, FrameOptions, LightSettings, MachineOptions, PictureSettings};
-use crate::values;
+use crate::values::{self, Backdrop};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -51,6 +51,10 @@ pub struct RenderOptions {
     pub picture: PictureSettings,
     #[command(flatten)]
     pub light: LightSettings,
+    /// What rays see that leave the scene: black, white, #rrggbb, r,g,b (linear); or none, which makes PNG and EXR
+    /// transparent there, and mirrors keep what they see
+    #[arg(long, value_name = "COLOUR", value_parser = values::backdrop, help_heading = "Picture")]
+    pub background: Option<Backdrop>,
     /// Render only columns x0 to x1 and rows y0 to y1, in pixels from the upper left, x1 and y1 excluded
     #[arg(long, value_name = "x0,y0,x1,y1", value_parser = values::crop, help_heading = "Picture")]
     pub crop: Option<[u32; 4]>,
@@ -86,6 +90,20 @@ impl RenderOptions {
     pub fn overrides(&self) -> RenderDefaults {
         self.picture.values.or(&self.light.values).or(&self.machine.structure.values)
     }
+
+    /// The same with what a scene asks for. The built-in one is the paper's figure, which has a sample a pixel.
+    pub fn settings(&self, scene: &Scene) -> RenderDefaults {
+        let paper = RenderDefaults { spp: self.scene.is_none().then_some(1), ..RenderDefaults::default() };
+        self.overrides().or(&scene.render).or(&paper)
+    }
+
+    /// Gives a scene what was asked for instead of its own.
+    pub fn change(&self, scene: &mut Scene) {
+        scene.up = self.camera.viewpoint().scene_up;
+        if let Some(Backdrop::Color(color)) = self.background {
+            scene.background = Some(Background::constant(color));
+        }
+    }
 }
 
 /// Forms of the statistics. Without documentation of each: clap would spread the whole help over two lines an option.
@@ -102,5 +120,13 @@ mod tests {
     #[test]
     fn nothing_is_asked_for_unless_it_is() {
         assert_eq!(RenderOptions::built_in().overrides(), RenderDefaults::default());
+    }
+
+    #[test]
+    fn the_built_in_scene_has_one_sample_a_pixel_and_others_have_four() {
+        let samples = |words: &[&str]| RenderOptions::parse_from(words).settings(&Scene::default()).spp();
+        assert_eq!(samples(&["render"]), 1);
+        assert_eq!(samples(&["render", "--samples", "9"]), 9);
+        assert_eq!(samples(&["render", "a.obj"]), 4);
     }
 }

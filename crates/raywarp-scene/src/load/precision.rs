@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::Sources;
+use crate::{Mesh, Scene};
 
 /// Losses below this share of the geometry's extent need no word. Around the origin no rounding loses more than 2^-24 of
 /// it: only what is more than sixty times as far from there as it is large can pass.
@@ -29,18 +30,50 @@ impl Rounding {
 
     /// Notes the loss where it shows beside the extent of these positions, the file's own.
     pub fn tell(self, path: &Path, positions: impl Iterator<Item = [f32; 3]>, sources: &mut Sources) {
+        self.tell_of("positions", path, positions, sources);
+    }
+
+    /// The same of the places of a scene's instances.
+    pub fn tell_of_places(self, path: &Path, scene: &Scene, sources: &mut Sources) {
+        if self.loss > 0.0 {
+            self.tell_of("places of instances", path, placed_corners(scene), sources);
+        }
+    }
+
+    fn tell_of(self, what: &str, path: &Path, positions: impl Iterator<Item = [f32; 3]>, sources: &mut Sources) {
         let (extent, distance) = extent_and_distance(positions);
         if self.loss > WORTH_TELLING * extent && extent > 0.0 {
             sources.inform(
                 path,
                 format!(
-                    "positions lose up to {:.2e} scene units in single precision: they are up to {distance:.3e} from the \
+                    "{what} lose up to {:.2e} scene units in single precision: they are up to {distance:.3e} from the \
                      origin, on {extent:.3e} of extent",
                     self.loss
                 ),
             );
         }
     }
+}
+
+/// The corners of the boxes of all meshes where they are placed.
+fn placed_corners(scene: &Scene) -> impl Iterator<Item = [f32; 3]> + '_ {
+    let boxes: Vec<_> = scene.meshes.iter().map(corners).collect();
+    scene.instances.iter().flat_map(move |instance| {
+        let corners = boxes.get(instance.mesh).copied().unwrap_or([[f32::NAN; 3]; 8]);
+        corners.map(|corner| instance.transform.point(corner))
+    })
+}
+
+/// Of the box of a mesh; not finite where there is none.
+fn corners(mesh: &Mesh) -> [[f32; 3]; 8] {
+    let mut bounds = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+    for position in &mesh.positions {
+        for axis in 0..3 {
+            bounds[0][axis] = bounds[0][axis].min(position[axis]);
+            bounds[1][axis] = bounds[1][axis].max(position[axis]);
+        }
+    }
+    std::array::from_fn(|corner| std::array::from_fn(|axis| bounds[(corner >> axis) & 1][axis]))
 }
 
 /// The longest side of the bounds, and the largest coordinate.

@@ -75,7 +75,7 @@ macro_rules! settings {
 settings! {
     Picture size: [u32; 2] = [1920, 1080], "size", "WxH", Kind::Size { high: MAX_SIDE }, None,
         "Size of the picture in pixels";
-    Picture spp: u32 = 1, "samples" or "spp", "N", Kind::Count { low: 1, high: MAX_SPP },
+    Picture spp: u32 = 4, "samples" or "spp", "N", Kind::Count { low: 1, high: MAX_SPP },
         Some(PanelRow::ranged("Samples a pixel", [1.0, 65536.0], 1.0)),
         "Samples a pixel";
     Shading max_depth: u32 = 5, "max_depth", "N", Kind::Count { low: 0, high: MAX_DEPTH },
@@ -178,7 +178,7 @@ mod tests {
         assert_eq!(both.to_string(), "samples 4, shadows on, seed 3");
         assert_eq!(both.changed_from(&second).to_string(), "samples 4, shadows on");
         assert_eq!(both.only(&[Part::Shading]).to_string(), "shadows on, seed 3");
-        assert_eq!((both.spp(), both.max_depth()), (4, 5));
+        assert_eq!((both.spp(), both.max_depth(), RenderDefaults::default().spp()), (4, 5, 4));
         assert_eq!(RenderDefaults::default().to_string(), "");
     }
 

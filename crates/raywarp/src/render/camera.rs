@@ -1,42 +1,12 @@
-//! Cameras made ready for the kernels, and one for scenes that have none.
+//! Cameras made ready for the kernels.
 
 use glam::Vec3;
 use raywarp_core::camera as kernel;
 use raywarp_core::math;
 
 use super::RenderError;
-use crate::scene::{Camera, Projection, Scene};
+use crate::scene::{Camera, Projection};
 use crate::Ray;
-
-/// Name of the camera that frames a scene without one.
-pub(super) const FRAMED: &str = "framed";
-
-/// Vertical field of view of the camera that frames a scene, in radians.
-const FOV: f32 = 0.7;
-
-/// The scene's first camera, or one that sees all of it from the front, right and above; then with a note.
-pub(crate) fn default_camera(scene: &Scene, bounds: [[f32; 3]; 2]) -> (Camera, Option<String>) {
-    match scene.cameras.first() {
-        Some(camera) => (camera.clone(), None),
-        None => (framing(bounds), Some("no camera in the scene: it is framed from its bounds".to_owned())),
-    }
-}
-
-/// A view of a box from the front, right and above, that fits a picture of any format not narrower than it is high.
-pub fn framing([low, high]: [[f32; 3]; 2]) -> Camera {
-    let (low, high) = (Vec3::from(low), Vec3::from(high));
-    let centre = low * 0.5 + high * 0.5;
-    let radius = ((high - low).length() * 0.5).max(f32::MIN_POSITIVE);
-    let away = Vec3::new(0.45, 0.35, 1.0).normalize();
-    let distance = radius / (0.5 * FOV).sin();
-    Camera {
-        name: FRAMED.to_owned(),
-        eye: (centre + away * distance).into(),
-        target: centre.into(),
-        up: [0.0, 1.0, 0.0],
-        projection: Projection::Perspective { fov_y: FOV },
-    }
-}
 
 /// The camera for pictures of a size.
 pub(crate) fn kernel_camera(camera: &Camera, [width, height]: [u32; 2]) -> Result<kernel::Camera, RenderError> {

@@ -6,7 +6,7 @@ use crate::device::DeviceError;
 /// A camera as people know it: one that no file names has a name of raywarp's own.
 fn camera(name: &str) -> String {
     match name {
-        "" | super::camera::FRAMED => "the camera".to_owned(),
+        "" | super::framing::FRAMED => "the camera".to_owned(),
         _ => format!("the camera '{name}'"),
     }
 }

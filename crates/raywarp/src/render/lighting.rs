@@ -4,6 +4,7 @@ use raywarp_core::background::Background;
 use raywarp_core::light::{kind, Light};
 use raywarp_core::math::{vec3, Vec3};
 
+use super::framing::turn_to;
 use crate::device::{Buffer, Device, DeviceError};
 use crate::scene::{self, Camera, LightKind, Scene};
 
@@ -58,13 +59,14 @@ impl Lighting {
         }
         let (sky, ambient) = (sky(scene), ambient(scene));
         Self {
-            lights: if built_in { vec![sun()] } else { scene.lights.iter().map(light).collect() },
+            lights: if built_in { vec![upright_sun(scene)] } else { scene.lights.iter().map(light).collect() },
             headlight: built_in.then_some(Vec3::splat(0.35)),
             background: Background {
                 zenith: sky.zenith.into(),
                 horizon: sky.horizon.into(),
                 ground: sky.ground.into(),
-                up: vec3(0.0, 1.0, 0.0),
+                // The file's own sky is in the file's own axes.
+                up: if scene.background.is_none() { up(scene) } else { vec3(0.0, 1.0, 0.0) },
             },
             ambient: ambient.into(),
             whose_ambient: Ambient::of(scene),
@@ -93,6 +95,23 @@ pub fn sky(scene: &Scene) -> scene::Background {
 /// The light that arrives everywhere in a scene: its own, or the built-in one, which is brighter where there are no lights.
 pub fn ambient(scene: &Scene) -> [f32; 3] {
     scene.ambient.unwrap_or(if scene.lights.is_empty() { AMBIENT_BUILT_IN } else { AMBIENT })
+}
+
+/// Unit vector to the built-in zenith.
+fn up(scene: &Scene) -> Vec3 {
+    scene.up.map_or(vec3(0.0, 1.0, 0.0), |up| turned(vec3(0.0, 1.0, 0.0), up))
+}
+
+/// The built-in sun, turned with what is up.
+fn upright_sun(scene: &Scene) -> Light {
+    let direction = sun().direction;
+    Light { direction: scene.up.map_or(direction, |up| turned(direction, up)), ..sun() }
+}
+
+/// A direction with +Y up in a scene with another one.
+fn turned(direction: Vec3, up: [f32; 3]) -> Vec3 {
+    let direction = glam::Vec3::from(direction.to_array()).as_dvec3();
+    (turn_to(up) * direction).as_vec3().normalize().to_array().into()
 }
 
 fn sun() -> Light {

@@ -5,9 +5,11 @@ mod bands;
 pub(crate) mod camera;
 mod changes;
 mod costs;
+mod cut_out;
 mod error;
 mod film;
 pub(crate) mod flatten;
+mod framing;
 mod levels;
 mod lighting;
 mod materials;
@@ -30,8 +32,7 @@ use raywarp_device::kernels::Views;
 use crate::accel::{Build, Dropped, TreeStats};
 use crate::device::{Buffer, Device};
 use crate::image::Picture;
-use crate::scene::{Camera, Scene};
-use crate::Triangle;
+use crate::scene::{Camera, Scene, Viewpoint};
 use arrange::Arranged;
 use bands::Bands;
 use changes::NodesByDepth;
@@ -40,12 +41,13 @@ use lighting::Lighting;
 use options::Window;
 use resident::ResidentScene;
 
-pub use camera::{axes, framing, ray};
+pub use camera::{axes, ray};
 pub use changes::world_triangles;
 pub use costs::PixelCosts;
 pub use error::RenderError;
 pub use film::{Exposure, Film, Painted, Quantity};
 pub(crate) use flatten::{check_instance, check_mesh, flags_of};
+pub use framing::{chosen_camera, framing};
 pub use levels::{two_level, Levels};
 pub use lighting::{ambient, sky};
 pub use options::{RenderOptions, MAX_DEPTH, MAX_SIDE, MAX_SPP};
@@ -72,9 +74,11 @@ pub struct Tracer {
     levels: Option<NodesByDepth>,
 }
 
-/// The scene's first camera, or one that sees all of these triangles of it from the front, right and above.
-pub fn default_camera(scene: &Scene, triangles: &[Triangle]) -> Camera {
-    camera::default_camera(scene, flatten::bounds(triangles)).0
+/// The scene's first camera, or one that frames all of it from the front, right and above in a picture of the size that the
+/// scene asks for.
+pub fn default_camera(scene: &Scene) -> Camera {
+    let [width, height] = scene.render.size().map(f64::from);
+    scene.cameras.first().cloned().unwrap_or_else(|| framing::framed(scene, &Viewpoint::default(), width / height))
 }
 
 /// Finds out whether pictures can be taken with a camera.
@@ -172,9 +176,11 @@ impl Tracer {
         let upload_seconds = start.elapsed().as_secs_f64();
 
         let lighting = Lighting::of(scene);
-        let (camera, framed) = camera::default_camera(scene, bounds);
+        let camera = default_camera(scene);
         let mut notes = lighting.notes.clone();
-        notes.extend(framed);
+        if scene.cameras.is_empty() {
+            notes.push("no camera in the scene: it is framed".to_owned());
+        }
         notes.extend(structure.warning.clone());
         let report = Report {
             triangles: count,
@@ -212,7 +218,7 @@ impl Tracer {
         &self.device
     }
 
-    /// The scene's first camera, or one that frames its bounds.
+    /// The scene's first camera, or one that frames it: [`default_camera`].
     pub fn default_camera(&self) -> &Camera {
         &self.camera
     }

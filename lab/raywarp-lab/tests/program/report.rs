@@ -94,7 +94,7 @@ fn what_is_counted_is_exact() {
     let study = numbers(&place);
     let scene = load(&place.path("scene.toml"), &LoadOptions::default()).unwrap().scene;
     let triangles = opaque_triangles(&scene).unwrap();
-    let camera = default_camera(&scene, &triangles);
+    let camera = default_camera(&scene);
     let rays = RaySource::new(&triangles, &camera, [48, 27]).unwrap().primary().rays;
     for (kind, name) in [(AccelKind::Kd, "k-d tree of the paper"), (AccelKind::Bvh2, "BVH2, medium")] {
         let accel = Accel::build(kind, triangles.clone()).unwrap();

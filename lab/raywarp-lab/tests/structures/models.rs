@@ -92,7 +92,7 @@ fn a_lane_alone_only_waits_for_missing_ones() {
 fn a_frame_of_camera_rays_is_a_batch() {
     let subject = Subject::new();
     let tracer = Tracer::new(&subject.scene, AccelKind::Bvh2, &Device::open(DeviceChoice::Cpu).unwrap()).unwrap();
-    let options = RenderOptions { size: SIZE, max_depth: 0, shadows: false, ..RenderOptions::default() };
+    let options = RenderOptions { size: SIZE, spp: 1, max_depth: 0, shadows: false, ..RenderOptions::default() };
     let rays = subject.rays(RayKind::Primary);
     let mut expected = LaneSteps::default();
     let mut modelled = LaneSteps::default();
@@ -114,7 +114,7 @@ fn a_frame_with_all_rays_is_followed_whole() {
     let subject = Subject::new();
     let tracer = Tracer::new(&subject.scene, AccelKind::Bvh2, &Device::open(DeviceChoice::Cpu).unwrap()).unwrap();
     let camera = &subject.scene.cameras[0];
-    let options = RenderOptions { size: SIZE, ..RenderOptions::default() };
+    let options = RenderOptions { size: SIZE, spp: 1, ..RenderOptions::default() };
     let pixels: Vec<[u32; 2]> = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y])).collect();
     let logs: Vec<Log> = follow(&tracer, camera, &options, &pixels).unwrap().unwrap();
     let sum = logs.chunks(WARP).map(frame).fold(LaneSteps::default(), LaneSteps::plus);
@@ -129,7 +129,7 @@ fn a_frame_with_all_rays_is_followed_whole() {
 fn stages_add_up_to_a_frame() {
     let subject = Subject::new();
     let device = Device::open(DeviceChoice::Cpu).unwrap();
-    let options = RenderOptions { size: SIZE, ..RenderOptions::default() };
+    let options = RenderOptions { size: SIZE, spp: 1, ..RenderOptions::default() };
     for kind in [AccelKind::Brute, AccelKind::Kd, AccelKind::Bvh2] {
         let tracer = Tracer::new(&subject.scene, kind, &device).unwrap();
         let stages = stage_times(&tracer, &subject.scene.cameras[0], &options).unwrap().unwrap();

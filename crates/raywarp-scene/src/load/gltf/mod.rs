@@ -32,6 +32,7 @@ mod meshopt;
 mod nodes;
 mod origin;
 mod phong;
+mod places;
 mod pose;
 mod skin;
 mod texture;
@@ -48,6 +49,7 @@ use glam::DAffine3;
 use self::budget::Budget;
 use self::buffers::Buffers;
 use self::origin::Origin;
+use super::precision::Rounding;
 use super::{LoadError, Sources};
 use crate::{Scene, Transform};
 
@@ -74,6 +76,7 @@ pub(super) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadErro
         cache: Cache::default(),
         dropped: Dropped::default(),
         scene: Scene::default(),
+        rounding: places::rounding(parts.json),
     };
     reader.warn_about_motion()?;
     nodes::read(&mut reader)?;
@@ -91,6 +94,8 @@ struct Reader<'a> {
     cache: Cache,
     dropped: Dropped,
     scene: Scene,
+    /// Of the places of nodes.
+    rounding: Rounding,
 }
 
 /// What is left out, by number.

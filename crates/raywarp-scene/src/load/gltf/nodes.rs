@@ -32,6 +32,7 @@ pub(super) fn read(reader: &mut Reader) -> Result<(), LoadError> {
         let children = node.children.as_deref().unwrap_or_default();
         stack.extend(children.iter().rev().map(|child| (child.value(), world)));
     }
+    reader.rounding.tell_of_places(reader.origin.path, &reader.scene, reader.sources);
     if reader.scene.instances.iter().all(|instance| reader.scene.meshes[instance.mesh].triangles.is_empty()) {
         reader.warn("the scene has no triangles: there is nothing to see")?;
     }
@@ -136,6 +137,9 @@ fn add_instances(
     };
     for (place, world) in placements.into_iter().enumerate() {
         let transform = narrow(world);
+        for x in world.translation.to_array() {
+            reader.rounding.round(x);
+        }
         let is_finite = transform.columns.iter().flatten().chain(&transform.translation).all(|value| value.is_finite());
         if !is_finite && parts.iter().any(|part| !part.is_placed) {
             reader.dropped.instances += 1;

@@ -8,9 +8,9 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::complaint::Complaint;
-use super::file::{self, Rotation, Vector};
+use super::file::{self, Rotation};
 use super::place::{self, Placement, Rows};
-use super::values::PerAxis;
+use super::values::{Coordinate, PerAxis};
 use super::{Failure, Reader};
 
 /// One of a list: by its name, or by its number from 0.
@@ -51,7 +51,7 @@ impl Visitor<'_> for WhichVisitor {
 #[serde(deny_unknown_fields)]
 pub struct Move {
     pub instance: Spanned<Which>,
-    pub translate: Option<Vector>,
+    pub translate: Option<[Coordinate; 3]>,
     pub rotate: Option<Rotation>,
     pub scale: Option<PerAxis<3>>,
     pub matrix: Option<Rows>,
@@ -101,7 +101,7 @@ impl Reader<'_> {
                 let expected = format!("the number of one of them, of which the first is {}", moved[0]);
                 return Err(Complaint::new(moving.instance.span().start, read, expected).into());
             };
-            self.scene.instances[index].transform = place::transform(&placement, at)?;
+            self.scene.instances[index].transform = place::transform(&placement, at, &mut self.rounding)?;
         }
         Ok(())
     }

@@ -121,7 +121,7 @@ impl<'de> Visitor<'de> for NormalsVisitor {
 pub struct Instance {
     pub mesh: Name,
     pub name: Option<String>,
-    pub translate: Option<Vector>,
+    pub translate: Option<[Coordinate; 3]>,
     pub rotate: Option<Rotation>,
     pub scale: Option<PerAxis<3>>,
     pub matrix: Option<Rows>,

@@ -24,6 +24,7 @@ use std::path::{Path, PathBuf};
 
 use self::complaint::Complaint;
 use self::file::{File, Name};
+use super::precision::Rounding;
 use super::quote::file_name;
 use super::{LoadError, LoadOptions, Place, Sources};
 use crate::{Camera, CameraPath, Instance, Light, Scene, Transform};
@@ -58,7 +59,16 @@ pub(crate) fn applied(path: &Path, text: &str, base: Scene) -> Result<Scene, Loa
 
 fn read_text(path: &Path, text: &str, sources: &mut Sources, given_base: Option<Scene>) -> Result<Scene, LoadError> {
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    let mut reader = Reader { path, folder, text, sources, scene: Scene::default(), given_base, own_materials: 0..0 };
+    let mut reader = Reader {
+        path,
+        folder,
+        text,
+        sources,
+        scene: Scene::default(),
+        given_base,
+        own_materials: 0..0,
+        rounding: Rounding::default(),
+    };
     let read = parse(text).and_then(|file| reader.read(&file));
     match read {
         Ok(()) => Ok(reader.scene),
@@ -133,6 +143,8 @@ struct Reader<'a> {
     given_base: Option<Scene>,
     /// Where in the scene the materials of this file are.
     own_materials: Range<usize>,
+    /// Of the places of instances.
+    rounding: Rounding,
 }
 
 /// What an entry of `[[meshes]]` stands for: all that its file places.
@@ -151,6 +163,7 @@ impl Reader<'_> {
         self.place(file, &mut groups)?;
         self.edit_materials(file)?;
         self.move_instances(file)?;
+        self.rounding.tell_of_places(self.path, &self.scene, self.sources);
         for entry in &file.lights {
             self.scene.lights.push(light::light(entry)?);
         }
@@ -214,7 +227,7 @@ impl Reader<'_> {
             let at = entry.span().start;
             let instance = entry.get_ref();
             let index = mesh_index(file, &instance.mesh)?;
-            let transform = place::transform(&instance.into(), at)?;
+            let transform = place::transform(&instance.into(), at, &mut self.rounding)?;
             let material = instance.material.as_ref().map(|name| self.material_index(name)).transpose()?;
             if let Some(group) = &groups[index] {
                 let first = !std::mem::replace(&mut placed[index], true);

@@ -3,13 +3,14 @@
 use toml::Spanned;
 
 use super::complaint::Complaint;
-use super::file::{AxisAngle, Instance, Rotation, Up, Vector};
-use super::values::{Finite, PerAxis};
+use super::file::{AxisAngle, Instance, Rotation, Up};
+use super::values::{Coordinate, PerAxis};
+use crate::load::precision::Rounding;
 use crate::{Light, LightKind, Transform};
 
 impl Transform {
     /// Image of a point.
-    pub(super) fn point(&self, point: [f32; 3]) -> [f32; 3] {
+    pub(in crate::load) fn point(&self, point: [f32; 3]) -> [f32; 3] {
         let moved = self.vector(point);
         [0, 1, 2].map(|axis| moved[axis] + self.translation[axis])
     }
@@ -40,11 +41,11 @@ pub fn upright(up: Up) -> Transform {
 }
 
 /// Rows of a matrix.
-pub type Rows = Spanned<Vec<[Finite; 4]>>;
+pub type Rows = Spanned<Vec<[Coordinate; 4]>>;
 
 /// Where something is put.
 pub struct Placement<'a> {
-    pub translate: Option<Vector>,
+    pub translate: Option<[Coordinate; 3]>,
     pub rotate: Option<&'a Rotation>,
     pub scale: Option<PerAxis<3>>,
     pub matrix: Option<&'a Rows>,
@@ -64,15 +65,19 @@ impl<'a> From<&'a Instance> for Placement<'a> {
     }
 }
 
-/// The transform; `at` is where the instance is written.
-pub fn transform(placement: &Placement, at: usize) -> Result<Transform, Complaint> {
-    let Some(rows) = placement.matrix else { return placed(placement, at) };
+/// The transform; `at` is where the instance is written. What its translation loses goes to `rounding`.
+pub fn transform(placement: &Placement, at: usize, rounding: &mut Rounding) -> Result<Transform, Complaint> {
+    let Some(rows) = placement.matrix else { return placed(placement, at, rounding) };
     let at = rows.span().start;
     if placement.translate.is_some() || placement.rotate.is_some() || placement.scale.is_some() {
         let read = "a matrix beside translate, rotate or scale";
         return Err(Complaint::new(at, read, "either the matrix or the others"));
     }
-    let rows: Vec<[f32; 4]> = rows.get_ref().iter().map(|row| row.map(|number| number.0)).collect();
+    let mut rounded = |[x, y, z, moved]: [Coordinate; 4]| {
+        let [x, y, z] = [x, y, z].map(|number| number.0 as f32);
+        [x, y, z, rounding.round(moved.0)]
+    };
+    let rows: Vec<[f32; 4]> = rows.get_ref().iter().map(|&row| rounded(row)).collect();
     let affine = match rows.as_slice() {
         [x, y, z] | [x, y, z, [0.0, 0.0, 0.0, 1.0]] => [x, y, z],
         [_, _, _, _] => return Err(Complaint::new(at, "a matrix that is not affine", "the last row [0, 0, 0, 1]")),
@@ -88,7 +93,7 @@ pub fn transform(placement: &Placement, at: usize) -> Result<Transform, Complain
 }
 
 /// Scaled, then turned, then moved.
-fn placed(placement: &Placement, at: usize) -> Result<Transform, Complaint> {
+fn placed(placement: &Placement, at: usize, rounding: &mut Rounding) -> Result<Transform, Complaint> {
     let mut transform = Transform::IDENTITY;
     if let Some(scale) = placement.scale {
         for (axis, factor) in scale.0.into_iter().enumerate() {
@@ -112,7 +117,8 @@ fn placed(placement: &Placement, at: usize) -> Result<Transform, Complaint> {
         }
         None => {}
     }
-    transform.translation = placement.translate.map_or([0.0; 3], |vector| vector.map(|number| number.0));
+    let translation = placement.translate.map(|vector| vector.map(|number| rounding.round(number.0)));
+    transform.translation = translation.unwrap_or_default();
     Ok(transform)
 }
 

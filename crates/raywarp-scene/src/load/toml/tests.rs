@@ -55,6 +55,22 @@ fn a_mesh_without_instances_is_placed_once_and_one_with_them_only_by_them() {
 }
 
 #[test]
+fn places_that_lose_digits_are_a_note() {
+    let directory = tempfile::tempdir().unwrap();
+    let notes = |place: &str| {
+        let text = format!("version = 1\n{TRIANGLE}[[instances]]\nmesh = \"t\"\n{place}\n");
+        let loaded = load_in(directory.path(), &text).unwrap();
+        loaded.notes.into_iter().map(|note| note.message).collect::<Vec<_>>()
+    };
+    for place in ["translate = [4500000.123, 0, 0]", "matrix = [[1, 0, 0, 4500000.123], [0, 1, 0, 0], [0, 0, 1, 0]]"] {
+        let notes = notes(place);
+        assert_eq!(notes.len(), 1, "{notes:?}");
+        assert!(notes[0].starts_with("places of instances lose up to 1.23e-1 scene units"), "{notes:?}");
+    }
+    assert!(notes("translate = [4500000.5, 0.1, 0.3]").is_empty());
+}
+
+#[test]
 fn vertices_that_lose_digits_are_a_note() {
     let directory = tempfile::tempdir().unwrap();
     let far = TRIANGLE.replace("[0,0,0],[1,0,0],[0,1,0]", "[4500000.123,0,0],[4500001,0,0],[4500000,1,0]");

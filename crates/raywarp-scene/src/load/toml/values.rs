@@ -9,7 +9,7 @@ use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::Deserialize;
 
 use crate::schema::LARGEST;
-use crate::srgb::srgb_to_linear;
+use crate::srgb::srgb;
 
 macro_rules! numbers {
     ($($(#[$doc:meta])* $name:ident($type:ty), $expected:literal, |$x:ident| $allowed:expr;)*) => {$(
@@ -29,7 +29,7 @@ macro_rules! numbers {
 numbers! {
     /// Any number that can be computed with.
     Finite(f32), "a number between -1e12 and 1e12", |x| x.abs() <= LARGEST;
-    /// A coordinate of a vertex, as it is written.
+    /// A coordinate of a vertex or a place, as it is written.
     Coordinate(f64), "a number between -1e12 and 1e12", |x| x.abs() <= LARGEST;
     /// Zero or more.
     NonNegative(f32), "a number from 0 to 1e12", |x| (0.0..=LARGEST).contains(&x);
@@ -173,17 +173,6 @@ impl From<Share> for f32 {
     fn from(number: Share) -> f32 {
         number.0
     }
-}
-
-/// Linear colour of `#rrggbb`.
-fn srgb(text: &str) -> Option<[f32; 3]> {
-    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
-    let mut color = [0.0; 3];
-    for (index, channel) in color.iter_mut().enumerate() {
-        let byte = u8::from_str_radix(&digits[2 * index..2 * index + 2], 16).ok()?;
-        *channel = srgb_to_linear(f32::from(byte) / 255.0);
-    }
-    Some(color)
 }
 
 /// One value for every axis, or one for each.

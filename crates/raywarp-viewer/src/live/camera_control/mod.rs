@@ -149,7 +149,7 @@ impl CameraControl {
     /// Options of `raywarp render` that give exactly this camera: `--eye x,y,z --target x,y,z --up x,y,z` with
     /// `--fov degrees`, or `--ortho height` for parallel rays.
     pub fn flags(&self) -> String {
-        flags::flags(&self.camera)
+        flags::flags(&self.camera, self.world.up.as_vec3().to_array())
     }
 
     /// Whether it is being moved: a key that flies is held, or a drag goes on.

@@ -406,7 +406,7 @@ proptest! {
         fov_y in 1e-4f32..3.1,
     ) {
         let camera = Camera { name: String::new(), eye, target, up, projection: Projection::Perspective { fov_y } };
-        let text = super::flags::flags(&camera);
+        let text = super::flags::flags(&camera, UP);
         let words: Vec<&str> = text.split(' ').collect();
         let vector = |i: usize| words[i].split(',').map(|x| x.parse::<f32>().unwrap().to_bits()).collect::<Vec<_>>();
         prop_assert_eq!((words[0], words[2], words[4], words[6]), ("--eye", "--target", "--up", "--fov"));

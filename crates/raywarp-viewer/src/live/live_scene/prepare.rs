@@ -81,6 +81,7 @@ impl Order {
 
     fn set_up(self, loaded: Loaded) -> Result<Ready, ViewerError> {
         let Loaded { mut scene, warnings, files, .. } = loaded;
+        scene.up = self.options.viewpoint.scene_up;
         let read = scene.outline();
         let edits = match self.edits {
             Some(mut edits) => {
@@ -103,9 +104,12 @@ impl Order {
         let dropped = tracer.report().dropped;
         dropped.allow(self.source.strict)?;
         tracer.structure().load_kernels(&self.device)?;
-        let home = self.options.viewpoint.of(&scene.cameras, tracer.default_camera())?;
+        let [width, height] = overrides.size().map(f64::from);
+        let home = render::chosen_camera(&scene, &self.options.viewpoint, width / height)?;
         render::check_camera(&home)?;
-        let aimed = self.options.viewpoint.target.is_some() || scene.cameras.is_empty() || !self.source.is_gltf();
+        let viewpoint = &self.options.viewpoint;
+        let framed = viewpoint.frames() || scene.cameras.is_empty();
+        let aimed = framed || viewpoint.target.is_some() || !self.source.is_gltf();
         let mut warnings: Vec<String> = warnings.iter().map(ToString::to_string).collect();
         if dropped.count() > 0 {
             warnings.push(format!("triangles that no ray can hit, {} of them, are dropped", dropped.count()));

@@ -192,7 +192,7 @@ impl Viewer {
             self.view_settings.follow(&self.usual, &ready.usual);
             (self.usual, self.pick, self.resets) = (ready.usual.clone(), None, Resets::default());
             let (home, bounds) = (ready.home.clone(), ready.tracer.report().bounds);
-            let (cameras, up) = (ready.scene.cameras.clone(), [0.0, 1.0, 0.0]);
+            let (cameras, up) = (ready.scene.cameras.clone(), ready.scene.up.unwrap_or([0.0, 1.0, 0.0]));
             match &mut self.control {
                 Some(control) => control.rebase(home, cameras, bounds, up),
                 None => {

@@ -51,7 +51,7 @@ pub struct Found {
 
 /// What a frame has: its name, and its options.
 fn sorts(setting: &Setting) -> [(&'static str, RenderOptions); 2] {
-    let all = RenderOptions { size: setting.size, ..RenderOptions::default() };
+    let all = RenderOptions { size: setting.size, spp: 1, ..RenderOptions::default() };
     [("primary", RenderOptions { max_depth: 0, shadows: false, ..all }), ("all", all)]
 }
 

@@ -28,7 +28,8 @@ pub fn lanes(stage: &Stage) -> Result<Vec<LaneUse>> {
     }
     let tracer = Tracer::new(stage.scene, AccelKind::Bvh2, &Device::open(DeviceChoice::Cpu)?)?;
     for (rays, max_depth, shadows) in [("frame, primary", 0, false), ("frame, all", 5, true)] {
-        let options = RenderOptions { size: stage.setting.size, max_depth, shadows, ..RenderOptions::default() };
+        let options =
+            RenderOptions { size: stage.setting.size, spp: 1, max_depth, shadows, ..RenderOptions::default() };
         let mut sum = LaneSteps::default();
         for pixels in tiles(options.size, stage.setting.followed) {
             let logs: Option<Vec<Log>> = follow(&tracer, &stage.camera, &options, &pixels)?;

@@ -68,7 +68,7 @@ pub const PLAIN: Build = Build { kind: StructureKind::BVH2, quality: Quality::Me
 pub fn scene(setting: &Setting, subject: &Subject, scene: &Scene, notes: &mut Vec<String>) -> Result<SceneStudy> {
     let triangles = opaque_triangles(scene)?;
     ensure!(!triangles.is_empty(), "the scene '{}' has no triangle that a ray can hit", subject.name);
-    let camera = subject.view.adjust(default_camera(scene, &triangles));
+    let camera = subject.view.adjust(default_camera(scene));
     let tree = Tree::build(PLAIN, triangles.clone())?;
     let source = RaySource::new(&triangles, &camera, setting.size)?;
     let primary = source.primary();

@@ -40,6 +40,10 @@ fn warnings(json: &str) -> Vec<String> {
     load_json(json).warnings.into_iter().map(|warning| warning.message).collect()
 }
 
+fn notes(json: &str) -> Vec<String> {
+    load_json(json).notes.into_iter().map(|note| note.message).collect()
+}
+
 fn without_folder(path: &Path, error: LoadError) -> String {
     error.to_string().replace(&path.display().to_string(), "F")
 }

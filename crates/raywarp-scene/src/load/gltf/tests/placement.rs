@@ -24,6 +24,19 @@ fn transforms_multiply_down_the_tree() {
 }
 
 #[test]
+fn places_that_lose_digits_are_a_note() {
+    let matrix = r#"{"mesh":0,"matrix":[1,0,0,0, 0,1,0,0, 0,0,1,0, 4500000.123,0,0,1]}"#;
+    // Each of the two is exact in single precision, their sum is not.
+    let sum = r#"{"translation":[4500000,0,0],"children":[1]},{"mesh":0,"translation":[0.125,0,0]}"#;
+    for nodes in [r#"{"mesh":0,"translation":[4500000.123,0,0]}"#, matrix, sum] {
+        let told = notes(&with_nodes(nodes, ""));
+        assert_eq!(told.len(), 1, "{nodes}: {told:?}");
+        assert!(told[0].starts_with("places of instances lose up to 1.2"), "{told:?}");
+    }
+    assert!(notes(&with_nodes(r#"{"mesh":0,"translation":[4500000.5,0.1,0.3]}"#, "")).is_empty());
+}
+
+#[test]
 fn only_the_scene_of_the_file_is_read() {
     let json = with_nodes(r#"{"mesh":0,"name":"a"},{"mesh":0,"name":"b"}"#, "");
     let names = |json: &str| scene(json).instances.into_iter().map(|i| i.name).collect::<Vec<_>>();
