@@ -7,7 +7,7 @@ use raywarp_core::triangle::{flags, Triangle};
 
 use super::RenderError;
 use crate::backend::DeviceError;
-use crate::scene::{AlphaMode, Instance, Material, Mesh, Scene};
+use crate::scene::{memory, AlphaMode, Instance, Material, Mesh, Scene};
 
 /// A scene without instances. Optional vertex data is either there for all vertices or for none.
 #[derive(Debug, Default)]
@@ -55,6 +55,8 @@ impl Flat {
         if let Some(&len) = totals.iter().find(|&&len| u32::try_from(len).is_err()) {
             return Err(DeviceError::TooMany { len }.into());
         }
+        let optional = [with_uvs, with_second_uvs, with_colors, with_tangents].into_iter().zip([8, 8, 16, 16]);
+        check_memory(totals, optional.filter(|(there, _)| *there).map(|(_, bytes)| bytes).sum())?;
         let triangle_flags: Vec<u32> = materials.iter().map(flags_of).collect();
 
         let mut flat = Self::default();
@@ -115,6 +117,26 @@ impl Flat {
             let [v0, v1, v2] = vertices.map(|vertex| self.positions[vertex as usize]);
             self.triangles.push(Triangle::new(v0, v1, v2, index, triangle_flags[material as usize]));
         }
+    }
+}
+
+/// Refuses instances that do not fit in the memory of this machine once they are in world space, with the nodes of a tree
+/// over them. `optional` is what a vertex has beside its position and its normal.
+fn check_memory([vertices, triangles]: [usize; 2], optional: usize) -> Result<(), RenderError> {
+    const VERTEX: usize = 2 * std::mem::size_of::<math::Vec3>();
+    const TRIANGLE: usize = std::mem::size_of::<Primitive>() + std::mem::size_of::<Triangle>() + TREE;
+    // A node of a binary tree has its two boxes.
+    const TREE: usize = 64;
+    let needed = vertices as u64 * (VERTEX + optional) as u64 + triangles as u64 * TRIANGLE as u64;
+    match memory::available() {
+        Some(available) if needed > available => Err(DeviceError::Memory {
+            device: "this machine".to_owned(),
+            purpose: "the instances of the scene".to_owned(),
+            needed,
+            available,
+        }
+        .into()),
+        _ => Ok(()),
     }
 }
 
@@ -217,6 +239,21 @@ mod tests {
         let flat = Flat::of(&scene(scaled(2.0, 3.0, 0.5))).unwrap();
         assert_eq!(flat.positions[1].to_array(), [7.0, 0.0, 0.0]);
         assert_eq!(flat.normals[0].to_array(), [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn instances_beyond_the_memory_of_the_machine_are_refused_before_they_are_made() {
+        let mut scene = scene(Transform::IDENTITY);
+        scene.meshes[0].triangles = vec![[0, 1, 2]; 1 << 18];
+        scene.meshes[0].materials = vec![0; 1 << 18];
+        scene.instances = vec![scene.instances[0].clone(); (1 << 14) - 1];
+        // More than half a terabyte.
+        if memory::available().is_none_or(|bytes| bytes > 1 << 39) {
+            return;
+        }
+        let Err(RenderError::Device(error)) = Flat::of(&scene) else { panic!("it fits") };
+        assert!(matches!(&error, DeviceError::Memory { needed, available, .. } if needed > available), "{error}");
+        assert!(error.to_string().contains("for the instances of the scene"), "{error}");
     }
 
     #[test]
