@@ -10,7 +10,7 @@ use raywarp::device::Device;
 use raywarp::scene::load::{load, EXTENSIONS};
 use raywarp::scene::{LoadError, LoadOptions};
 use raywarp_viewer::live::{LiveScene, Source};
-use raywarp_viewer::serve::{self, Server, Stopper};
+use raywarp_viewer::serve::{self, Addresses, Server, Stopper};
 
 use crate::browser;
 use crate::failure::{Context, Result};
@@ -38,7 +38,7 @@ pub fn view(options: &ViewOptions) -> Result<()> {
     let server = Server::bind(serve::ServeOptions { port: 0, ..serve::ServeOptions::default() })?;
     let source = options.source();
     source.path.as_deref().map_or(Ok(()), is_missing)?;
-    show(server, source, &options.live, |server| browser::open(&server.url()))
+    show(server, source, &options.live, |server| browser::open(&server.addresses().here))
 }
 
 fn show(server: Server, source: Source, live: &LiveOptions, told: impl FnOnce(&Server)) -> Result<()> {
@@ -89,8 +89,12 @@ fn end_on_interrupt(stopper: Stopper) {
 fn announce(server: &Server, scene: Option<&Path>) -> Result<()> {
     let scene = scene.map_or("the built-in scene".to_owned(), |path| path.display().to_string());
     messages::line(&format!("{scene} until Ctrl-C, in a browser at"));
-    messages::out(format!("{}\n", server.url()).as_bytes())?;
-    let (command, there) = (server.ssh_line(), server.url_through_ssh());
-    messages::line(&format!("through ssh: on the machine of the browser run\n{command}\nand open {there} there"));
+    let Addresses { here, through_ssh } = server.addresses();
+    messages::out(format!("{here}\n").as_bytes())?;
+    let command = server.ssh_line();
+    messages::line(&format!("through ssh: on the machine of the browser run\n{command}\nand open {through_ssh} there"));
+    server.tell_addresses(|Addresses { here, through_ssh }| {
+        messages::line(&format!("that address was used; for another browser: {here}\nthrough ssh: {through_ssh}"));
+    });
     Ok(())
 }

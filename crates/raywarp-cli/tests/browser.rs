@@ -126,7 +126,7 @@ fn a_wrong_token_is_asked_for_again() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let Some(browser) = Browser::start() else { return };
     let server = serve_secret("open + sesame = 100 % ü");
-    let (plain, _) = server.url.split_once("#token=").unwrap();
+    let (plain, _) = server.url.split_once("#ticket=").unwrap();
     browser.open(&format!("{plain}#token=open-cesame"));
     browser.wait(ASKED);
     browser.write("open + sesame = 100 % ü\u{e007}");
@@ -140,7 +140,7 @@ fn the_secret_does_not_stay_in_the_address() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let Some(browser) = Browser::start() else { return };
     let (server, other) = (serve_secret("a secret of one & only"), serve_secret("another-secret"));
-    let plain = |server: &Server| server.url.split_once("#token=").unwrap().0.to_owned();
+    let plain = |server: &Server| server.url.split_once("#ticket=").unwrap().0.to_owned();
     browser.open(&server.url);
     browser.wait(OPEN);
     assert_eq!(browser.get("location.href"), plain(&server));
@@ -164,6 +164,13 @@ fn the_secret_does_not_stay_in_the_address() {
     browser.window();
     browser.open(copied.as_str().unwrap());
     browser.wait(ASKED);
+    // And who finds the printed address in the history has a ticket that was used.
+    browser.open("about:blank");
+    browser.open(&server.url);
+    browser.wait(ASKED);
+    assert_eq!(browser.get("JSON.stringify(sessionStorage)"), "{}");
+    browser.write("a secret of one & only\u{e007}");
+    browser.wait(OPEN);
 }
 
 #[test]
@@ -185,9 +192,9 @@ fn twelve_pages_at_once_have_a_picture() {
     browser.wait("window.raywarp.link.viewers === 12");
 }
 
-/// Whether two cards cover each other, or one leaves the window: their names.
+/// Whether two cards cover each other or the picture, or one leaves the window: their names.
 const COVERED: &str = "(() => {
-  const shown = [...document.querySelectorAll('.card, #bar')].filter((card) => card.checkVisibility());
+  const shown = [...document.querySelectorAll('.card, #bar, #picture')].filter((card) => card.checkVisibility());
   const boxes = shown.map((card) => ({ id: card.id, box: card.getBoundingClientRect() }));
   const outside = boxes.filter(({ box }) => box.left < 0 || box.top < 0 || box.right > innerWidth || box.bottom > innerHeight);
   const meet = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
@@ -197,7 +204,7 @@ const COVERED: &str = "(() => {
 })()";
 
 #[test]
-fn cards_of_a_small_window_do_not_cover_each_other() {
+fn cards_of_a_small_window_fold_and_cover_neither_each_other_nor_the_picture() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let Some(browser) = Browser::start() else { return };
     let server = serve(&[]);
@@ -206,18 +213,64 @@ fn cards_of_a_small_window_do_not_cover_each_other() {
     for size in [[320, 480], [499, 700], [400, 300], [700, 330]] {
         browser.emulate(size);
         browser.wait(&format!("innerWidth === {} && innerHeight === {}", size[0], size[1]));
+        browser.wait("document.getElementById('picture').getBoundingClientRect().height >= 0.45 * innerHeight");
         for card in ["status", "panel", "help"] {
             let shown = format!("document.getElementById('{card}').checkVisibility()");
             if browser.get(&shown) != true {
                 browser.click(&format!("toggle-{card}"));
             }
             browser.wait(&shown);
-            assert_eq!(
-                browser.get(COVERED).as_array().map(Vec::len),
-                Some(0),
-                "{size:?} {card}: {}",
-                browser.get(COVERED)
-            );
+            assert_eq!(browser.get(COVERED), serde_json::json!([]), "{size:?} {card}");
+            browser.picture(&format!("small-{}x{}-{card}", size[0], size[1]));
         }
     }
+}
+
+#[test]
+fn the_panel_stands_beside_the_picture_and_folds_in_a_small_window() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let Some(browser) = Browser::start() else { return };
+    let server = serve(&[]);
+    browser.emulate([900, 600]);
+    browser.open(&server.url);
+    browser.wait(LOSSLESS);
+    browser.click("toggle-panel");
+    let beside = "document.getElementById('picture').getBoundingClientRect().right <= \
+                  document.getElementById('panel').getBoundingClientRect().left";
+    browser.wait(beside);
+    // The picture is made for the room that it has.
+    browser
+        .wait("document.getElementById('picture').width === 540 && document.getElementById('picture').height === 600");
+    browser.wait(LOSSLESS);
+    browser.picture("panel");
+    let open = "document.getElementById('panel').checkVisibility()";
+    for (width, shown) in [(500, false), (900, true)] {
+        browser.emulate([width, 600]);
+        browser.wait(&format!("{open} === {shown}"));
+    }
+}
+
+#[test]
+fn the_picked_object_has_an_outline_and_a_drag_can_look_around() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let Some(browser) = Browser::start() else { return };
+    let server = serve(&[]);
+    browser.open(&server.url);
+    browser.wait(LOSSLESS);
+    let first = browser.get(PIXELS);
+    browser.drag([400, 330], [400, 330]);
+    browser.wait("document.getElementById('pick').textContent.includes('triangle')");
+    browser.wait(&format!("{PIXELS} !== {first} && {LOSSLESS}"));
+    browser.picture("picked");
+    browser.key("\u{e00c}");
+    browser.wait(&format!("{PIXELS} === {first}"));
+    browser.key("j");
+    browser.click("toggle-panel");
+    browser.wait("document.querySelector('[data-row=\"camera.turns\"]')?.dataset.value === '\"look around\"'");
+    let eye = "document.querySelector('[data-row=\"camera.eye\"]').dataset.value";
+    let target = "document.querySelector('[data-row=\"camera.target\"]').dataset.value";
+    let (stands, looked) = (browser.get(eye), browser.get(target));
+    browser.drag([200, 300], [240, 320]);
+    browser.wait(&format!("{target} !== '{}'", looked.as_str().unwrap()));
+    assert_eq!(browser.get(eye), stands);
 }

@@ -88,11 +88,12 @@ fn the_secret_comes_from_a_file_or_the_environment() {
     let words = ["serve", "scene.toml", "--port", "0", "--device", "cpu"];
     let from_file =
         address(place.command(&[&words[..], &["--token-file", "secret"]].concat()).env("RAYWARP_TOKEN", "no"));
-    assert!(from_file.ends_with("/#token=a%20b%2Bc%26d%3D%C3%BC"), "{from_file}");
     let from_environment = address(place.command(&words).env("RAYWARP_TOKEN", "open-sesame"));
-    assert!(from_environment.ends_with("/#token=open-sesame"), "{from_environment}");
     let random = address(&mut place.command(&[&words[..], &["--token"]].concat()));
-    assert_eq!(random.split_once("/#token=").unwrap().1.len(), 32, "{random}");
+    for printed in [&from_file, &from_environment, &random] {
+        let ticket = printed.split_once("/#ticket=").unwrap().1;
+        assert!(ticket.len() == 32 && ticket.bytes().all(|byte| byte.is_ascii_hexdigit()), "{printed}");
+    }
     assert!(!address(&mut place.command(&words)).contains('#'));
 }
 
@@ -155,7 +156,7 @@ fn it_prints_an_address_and_ends_on_an_interrupt() {
     child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
     output.read_to_string(&mut url).unwrap();
     assert_eq!(status.code(), Some(130), "{said}");
-    assert!(url.lines().count() == 1 && url.contains("/#token="), "{url}");
+    assert!(url.lines().count() == 1 && url.contains("/#ticket="), "{url}");
     assert!(said.contains(&format!("ssh -N -L {port}:127.0.0.1:{port} ")), "{said}");
-    assert!(said.contains(&format!("http://127.0.0.1:{port}/#token=")), "{said}");
+    assert!(said.contains(&format!("http://127.0.0.1:{port}/#ticket=")), "{said}");
 }

@@ -18,14 +18,6 @@ pub(crate) fn description() -> String {
     }
 }
 
-/// Memory that can be had without swapping, where the system tells.
-pub(crate) fn available_memory() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
-    let kibibytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
-    Some(kibibytes * 1024)
-}
-
 /// Threads of a batch of which each thread of the CPU has one task.
 pub(crate) fn resident_threads() -> u32 {
     rayon::current_num_threads() as u32 * BATCH

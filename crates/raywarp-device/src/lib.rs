@@ -163,7 +163,7 @@ impl Device {
     /// [`DeviceError`] where the device fails.
     pub fn available_memory(&self) -> Result<Option<u64>, DeviceError> {
         match &self.machine {
-            Machine::Cpu => Ok(cpu::available_memory()),
+            Machine::Cpu => Ok(raywarp_scene::memory::available()),
             Machine::Cuda(gpu) => gpu.free_memory().map(Some),
         }
     }

@@ -10,6 +10,7 @@ mod image;
 mod light;
 pub mod load;
 mod material;
+pub mod memory;
 mod mesh;
 pub mod normals;
 mod path;

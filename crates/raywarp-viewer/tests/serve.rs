@@ -209,10 +209,34 @@ fn only_who_has_the_token_comes_in() {
 #[test]
 fn any_other_address_than_loopback_needs_a_token() {
     let server = |host: &str| Server::bind(ServeOptions { host: host.to_owned(), port: 0, ..ServeOptions::default() });
-    assert!(!server("127.0.0.1").unwrap().url().contains("token"));
-    let url = server("0.0.0.0").unwrap().url();
-    let token = url.split_once("/#token=").unwrap().1;
-    assert!(token.len() == 32 && token.bytes().all(|byte| byte.is_ascii_hexdigit()), "{url}");
+    assert!(!server("127.0.0.1").unwrap().addresses().here.contains('#'));
+    let url = server("0.0.0.0").unwrap().addresses().here;
+    let ticket = url.split_once("/#ticket=").unwrap().1;
+    assert!(ticket.len() == 32 && ticket.bytes().all(|byte| byte.is_ascii_hexdigit()), "{url}");
+}
+
+#[test]
+fn a_ticket_is_exchanged_for_the_token_once() {
+    let token = Token::chosen("open-sesame").unwrap();
+    let house = House::new(ServeOptions { token: Some(token), ..ServeOptions::default() });
+    let ticket = house.url.split_once("/#ticket=").unwrap().1.to_owned();
+    let mut first = hello("");
+    first["ticket"] = ticket.into();
+    // Another version of the page does not use it up.
+    let mut old = first.clone();
+    old["protocol"] = 0.into();
+    let mut client = house.connect();
+    client.send(&old);
+    assert_eq!(client.closed().0, 4003);
+    let mut client = house.connect();
+    client.send(&first);
+    assert_eq!(client.text("hello")["token"], "open-sesame");
+    let mut again = house.connect();
+    again.send(&first);
+    assert_eq!(again.closed().0, 4001);
+    let mut with_token = house.connect();
+    with_token.send(&hello("open-sesame"));
+    assert!(with_token.text("hello").get("token").is_none(), "it is told for a ticket alone");
 }
 
 #[test]

@@ -13,6 +13,7 @@ use crate::display::WindowOptions;
 use crate::error::WindowError;
 use crate::input::Input;
 use crate::interface::{Content, Interface};
+use crate::paint::Area;
 use crate::surface::Canvas;
 use crate::{overlay, paint};
 
@@ -47,6 +48,8 @@ struct Open {
     egui: egui_winit::State,
     title: String,
     pointer: [f64; 2],
+    /// Where the picture is.
+    area: Area,
 }
 
 /// What was drawn last, and whether something newer waits.
@@ -107,7 +110,8 @@ impl App {
         let root = egui::ViewportId::ROOT;
         let egui = egui_winit::State::new(context, root, &*canvas.window, Some(scale), None, None);
         let size = canvas.size();
-        self.open = Some(Open { canvas, egui, title, pointer: [0.0; 2] });
+        let area = Area { first: [0; 2], size: size.map(|side| side as usize) };
+        self.open = Some(Open { canvas, egui, title, pointer: [0.0; 2], area });
         self.resize(size);
         self.ask();
         Ok(())
@@ -125,7 +129,6 @@ impl App {
         if width > 0 && height > 0 {
             self.tell(&Event::Resize { width, height });
         }
-        self.ask();
     }
 
     /// Hands an event to the core and carries out what it asks for.
@@ -168,7 +171,10 @@ impl App {
         let over = self.interface.is_over(open.pointer);
         let (window, input) = (&open.canvas.window, &mut self.input);
         match event {
-            WindowEvent::CursorMoved { .. } => input.pointer(open.pointer, open.canvas.size(), over),
+            WindowEvent::CursorMoved { .. } => {
+                let place = [0, 1].map(|i| open.pointer[i] - open.area.first[i] as f64);
+                input.pointer(place, open.area.size.map(|side| side as u32), over)
+            }
             WindowEvent::MouseInput { state, button, .. } => {
                 input.button(*button, *state == ElementState::Pressed, over)
             }
@@ -224,14 +230,19 @@ impl App {
         };
         let input = open.egui.take_egui_input(&open.canvas.window);
         let (mut output, events) = self.interface.lay_out(input, &content);
-        let (picture, overlay) = (self.picture.as_deref(), self.interface.overlay());
-        open.canvas.draw(|pixels, size| paint::paint(pixels, size, picture, &overlay))?;
+        let area = self.interface.picture_area(open.canvas.size().map(|side| side as usize));
+        let is_new = std::mem::replace(&mut open.area, area).size != area.size;
+        let (picture, overlay) = (self.picture.as_deref().map(|picture| (picture, area)), self.interface.overlay());
+        open.canvas.draw(|pixels, [columns, _]| paint::paint(pixels, columns, picture, &overlay))?;
         open.egui.handle_platform_output(&open.canvas.window, std::mem::take(&mut output.platform_output));
         self.interface.drawn(&output);
 
         let delay = output.viewport_output.values().map(|viewport| viewport.repaint_delay).min();
         self.shown.again = delay.and_then(|delay| Instant::now().checked_add(delay));
         (self.shown.status, self.shown.notice, self.shown.lines) = (status, notice, self.lines.clone());
+        if is_new {
+            self.resize(area.size.map(|side| side as u32));
+        }
         for event in &events {
             self.tell(event);
             self.ask();
@@ -325,7 +336,8 @@ impl ApplicationHandler for App {
                 let drawn = self.draw();
                 return self.end_with(drawn, events);
             }
-            WindowEvent::Resized(size) => self.resize([size.width, size.height]),
+            // The picture's part of it is known once it is laid out.
+            WindowEvent::Resized(_) => self.ask(),
             _ => {}
         }
         self.show_interface(&event);

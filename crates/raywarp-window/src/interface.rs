@@ -5,7 +5,7 @@
 
 use egui::{ClippedPrimitive, Context, FullOutput, LayerId, Order, Pos2, RawInput, Rect};
 
-use crate::paint::Overlay;
+use crate::paint::{Area, Overlay};
 use crate::texture::Textures;
 use crate::{overlay, side};
 use raywarp_viewer::live::{Event, Notice, Panel, Status};
@@ -31,6 +31,8 @@ pub struct Interface {
     primitives: Vec<ClippedPrimitive>,
     scale: f32,
     panel: Rect,
+    /// What the panel leaves to the picture, in points.
+    free: Rect,
 }
 
 impl Interface {
@@ -50,7 +52,8 @@ impl Interface {
             style.interaction.selectable_labels = false;
             style.visuals.widgets.noninteractive.fg_stroke.color = egui::Color32::from_gray(190);
         });
-        Self { context, textures: Textures::default(), primitives: Vec::new(), scale: 1.0, panel: Rect::NOTHING }
+        let (panel, free) = (Rect::NOTHING, Rect::EVERYTHING);
+        Self { context, textures: Textures::default(), primitives: Vec::new(), scale: 1.0, panel, free }
     }
 
     /// egui's memory.
@@ -61,17 +64,26 @@ impl Interface {
     /// Lays everything out; returns what is left to do for egui, and what people did to the panel.
     pub fn lay_out(&mut self, input: RawInput, content: &Content) -> (FullOutput, Vec<Event>) {
         let mut events = Vec::new();
-        let panel = &mut self.panel;
+        let (panel, free) = (&mut self.panel, &mut self.free);
         let mut output = self.context.run(input, |context| {
             // egui may lay out twice to find sizes: what is clicked is then told in the last round.
             events.clear();
             *panel = content.panel.map_or(Rect::NOTHING, |panel| side::show(context, panel, &mut events));
+            *free = context.available_rect();
             overlay::show(context, content);
         });
         self.scale = output.pixels_per_point;
         self.textures.set(&output.textures_delta);
         self.primitives = self.context.tessellate(std::mem::take(&mut output.shapes), output.pixels_per_point);
         (output, events)
+    }
+
+    /// Where the picture is in a window of so many pixels: at least one of them.
+    pub fn picture_area(&self, size: [usize; 2]) -> Area {
+        let inside = |points: f32, side: usize| (points * self.scale).round().clamp(0.0, side as f32) as usize;
+        let first = [0, 1].map(|i| inside(self.free.min[i], size[i]).min(size[i].saturating_sub(1)));
+        let end = [0, 1].map(|i| inside(self.free.max[i], size[i]));
+        Area { first, size: [0, 1].map(|i| end[i].saturating_sub(first[i]).max(1)) }
     }
 
     /// What to draw.

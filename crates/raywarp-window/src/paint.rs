@@ -14,6 +14,15 @@ const EMPTY: u32 = 0x1c1c1e;
 /// Rows that one thread does at a time: few enough to stay in its cache from the picture to the last triangle.
 const BAND: usize = 32;
 
+/// Columns and rows of the window that a picture takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Area {
+    /// Its upper left pixel.
+    pub first: [usize; 2],
+    /// Columns and rows, within the window.
+    pub size: [usize; 2],
+}
+
 /// What is over the picture.
 pub struct Overlay<'a> {
     /// In the order that they are drawn in.
@@ -24,21 +33,33 @@ pub struct Overlay<'a> {
     pub scale: f32,
 }
 
-/// Fills a window of `size` pixels, row by row as `0x00RRGGBB`.
-pub fn paint(pixels: &mut [u32], size: [usize; 2], picture: Option<&Picture>, overlay: &Overlay) {
-    let width = size[0].max(1);
-    let scaling = picture.and_then(|picture| Scaling::new(picture, size));
+/// Fills a window of so many columns, row by row as `0x00RRGGBB`: the picture in its area, and the rest empty.
+pub fn paint(pixels: &mut [u32], columns: usize, picture: Option<(&Picture, Area)>, overlay: &Overlay) {
+    let width = columns.max(1);
+    let scaling = picture.and_then(|(picture, area)| Some((Scaling::new(picture, area.size)?, area)));
     pixels.par_chunks_mut(width * BAND).enumerate().for_each_init(Vec::new, |between, (i, rows)| {
-        match &scaling {
-            Some(scaling) => {
-                for (y, row) in rows.chunks_exact_mut(width).enumerate() {
-                    scaling.row(i * BAND + y, row, between);
-                }
+        for (y, row) in rows.chunks_exact_mut(width).enumerate() {
+            match &scaling {
+                Some((scaling, area)) => area.fill(i * BAND + y, row, scaling, between),
+                None => row.fill(EMPTY),
             }
-            None => rows.fill(EMPTY),
         }
         overlay.draw(&mut Band { pixels: rows, width, top: i * BAND });
     });
+}
+
+impl Area {
+    fn fill(&self, y: usize, row: &mut [u32], scaling: &Scaling, between: &mut Vec<u32>) {
+        let [left, top] = self.first;
+        if row.len() > self.size[0] {
+            row.fill(EMPTY);
+        }
+        let within = row.get_mut(left..left + self.size[0]);
+        match (within, y.checked_sub(top).filter(|&y| y < self.size[1])) {
+            (Some(within), Some(y)) => scaling.row(y, within, between),
+            _ => row.fill(EMPTY),
+        }
+    }
 }
 
 impl Overlay<'_> {

@@ -2,36 +2,51 @@
 
 use egui::{
     collapsing_header::CollapsingState, Align, ComboBox, Context, DragValue, Id, Layout, Rect, ScrollArea, SidePanel,
-    Slider, SliderClamping, Ui,
+    Slider, SliderClamping, TopBottomPanel, Ui,
 };
 
 use raywarp_viewer::live::{Control, Event, Panel, Row, Section, Value};
 
 const WIDTH: f32 = 320.0;
+/// A window is narrow below this width, in points.
+const NARROW: f32 = 600.0;
+/// Most of the window that the panel takes.
+const SHARE: f32 = 0.45;
 /// Share of the width that labels take.
 const LABELS: f32 = 0.36;
 const UNDO: &str = "⟲";
 
-/// Lays out the panel at the right, adds what people do to `events`, and returns the place it takes.
+/// Lays out the panel beside the picture, adds what people do to `events`, and returns the place it takes: at the right, and
+/// in a narrow window below, its sections folded.
 pub fn show(context: &Context, panel: &Panel, events: &mut Vec<Event>) -> Rect {
-    let side = SidePanel::right("panel").default_width(WIDTH).width_range(WIDTH * 0.7..=WIDTH * 2.0);
-    let shown = side.show(context, |ui| {
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            for section in &panel.sections {
-                show_section(ui, section, events);
-            }
-            let changed = panel.sections.iter().flat_map(|section| &section.rows).any(|row| row.changed);
-            if ui.add_enabled(changed, egui::Button::new("Reset everything")).clicked() {
-                events.push(Event::Reset { id: String::new() });
-            }
-        });
-    });
+    let window = context.screen_rect();
+    let folded = window.width() < NARROW;
+    let lay_out = |ui: &mut Ui| sections(ui, panel, folded, events);
+    let shown = if folded {
+        let below = TopBottomPanel::bottom("panel below").resizable(true);
+        below.default_height(window.height() * SHARE).max_height(window.height() * SHARE).show(context, lay_out)
+    } else {
+        let side = SidePanel::right("panel").default_width(WIDTH).width_range(WIDTH * 0.7..=window.width() * SHARE);
+        side.show(context, lay_out)
+    };
     shown.response.rect
 }
 
-fn show_section(ui: &mut Ui, section: &Section, events: &mut Vec<Event>) {
-    let id = Id::new(("section", &section.id));
-    let header = CollapsingState::load_with_default_open(ui.ctx(), id, true).show_header(ui, |ui| {
+fn sections(ui: &mut Ui, panel: &Panel, folded: bool, events: &mut Vec<Event>) {
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        for section in &panel.sections {
+            show_section(ui, section, folded, events);
+        }
+        let changed = panel.sections.iter().flat_map(|section| &section.rows).any(|row| row.changed);
+        if ui.add_enabled(changed, egui::Button::new("Reset everything")).clicked() {
+            events.push(Event::Reset { id: String::new() });
+        }
+    });
+}
+
+fn show_section(ui: &mut Ui, section: &Section, folded: bool, events: &mut Vec<Event>) {
+    let id = Id::new(("section", &section.id, folded));
+    let header = CollapsingState::load_with_default_open(ui.ctx(), id, !folded).show_header(ui, |ui| {
         ui.strong(&section.title);
         if section.rows.iter().any(|row| row.changed) {
             undo(ui, &section.id, "back to the defaults of this section", events);

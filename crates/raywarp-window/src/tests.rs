@@ -57,7 +57,8 @@ impl Window {
     fn pixels(&self, name: &str) -> Vec<u32> {
         let [width, height] = SIZE;
         let mut pixels = vec![0; width * height];
-        paint::paint(&mut pixels, SIZE, Some(&ramp([45, 32])), &self.interface.overlay());
+        let area = self.interface.picture_area(SIZE);
+        paint::paint(&mut pixels, width, Some((&ramp([45, 32]), area)), &self.interface.overlay());
         if let Some(folder) = std::env::var_os("RAYWARP_TEST_PICTURES") {
             let rgb = pixels.iter().map(|pixel| [(pixel >> 16) as u8, (pixel >> 8) as u8, *pixel as u8]).collect();
             let bytes = png::encode(&Rgb8 { width: width as u32, height: height as u32, pixels: rgb }).unwrap();
@@ -128,7 +129,10 @@ fn differs(pixels: &[u32], plain: &[u32], within: Rect) -> bool {
 
 fn without_interface() -> Vec<u32> {
     let mut pixels = vec![0; SIZE[0] * SIZE[1]];
-    paint::paint(&mut pixels, SIZE, Some(&ramp([45, 32])), &Interface::new().overlay());
+    let interface = Interface::new();
+    let ramp = ramp([45, 32]);
+    let picture = Some((&ramp, interface.picture_area(SIZE)));
+    paint::paint(&mut pixels, SIZE[0], picture, &interface.overlay());
     pixels
 }
 
@@ -179,6 +183,27 @@ fn help_and_panel_are_shown_when_asked_for() {
         assert!(differs(&pixels, &without_interface(), centre), "help");
         assert!(window.interface.is_over([880.0, 300.0]) && !window.interface.is_over([100.0, 300.0]), "panel");
     }
+}
+
+#[test]
+fn the_panel_is_beside_the_picture_and_below_it_where_the_window_is_narrow() {
+    let mut window = Window::new(Status { panel: true, ..status() }, panel());
+    window.settle();
+    let whole = Interface::new().picture_area(SIZE);
+    assert_eq!((whole.first, whole.size), ([0, 0], SIZE));
+    let beside = window.interface.picture_area(SIZE);
+    assert!(beside.size[0] < 640 && beside.size[0] > 440 && beside.size[1] == SIZE[1], "{beside:?}");
+    assert!(!window.interface.is_over([beside.size[0] as f64 - 2.0, 300.0]));
+    assert!(window.interface.is_over([beside.size[0] as f64 + 8.0, 300.0]));
+    // The ramp ends where the panel begins.
+    let (pixels, last) = (window.pixels("panel-beside.png"), 320 * SIZE[0] + beside.size[0] - 1);
+    assert!(pixels[last] & 255 > 240, "{:x}", pixels[last]);
+
+    window.scale = 2.0;
+    window.settle();
+    let above = window.interface.picture_area(SIZE);
+    assert!(above.size[0] == SIZE[0] && (320..600).contains(&above.size[1]), "{above:?}");
+    window.pixels("panel-below.png");
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use base64::Engine;
 use serde_json::{json, Value};
 
 const CHROMIUM: [&str; 2] = ["/usr/bin/chromium", "/usr/bin/google-chrome"];
@@ -168,6 +169,17 @@ impl Browser {
     pub fn wheel(&self, pixels: i32) {
         let scroll = json!({"type": "scroll", "x": 300, "y": 200, "deltaX": 0, "deltaY": pixels});
         self.command("actions", &json!({"actions": [{"type": "wheel", "id": "wheel", "actions": [scroll]}]}));
+    }
+
+    /// Keeps a picture of the page for people to look at, where RAYWARP_TEST_PICTURES names a folder.
+    pub fn picture(&self, name: &str) {
+        let Some(folder) = std::env::var_os("RAYWARP_TEST_PICTURES") else { return };
+        let path = format!("{}{}/screenshot", self.address, self.session);
+        let text =
+            self.agent.get(path).call().unwrap().body_mut().with_config().limit(64 << 20).read_to_string().unwrap();
+        let answer: Value = serde_json::from_str(&text).unwrap();
+        let bytes = base64::prelude::BASE64_STANDARD.decode(answer["value"].as_str().unwrap()).unwrap();
+        std::fs::write(Path::new(&folder).join(format!("{name}.png")), bytes).unwrap();
     }
 
     /// What the page complained about, without connections that were refused.

@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use super::quote::printable;
+use crate::memory::Shortage;
 
 /// Where in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +79,16 @@ pub enum LoadError {
         /// What to do, a sentence.
         help: String,
     },
+    /// What the file holds does not fit in memory.
+    #[error("{}", printable(&format!("{}: {what} would not fit: {shortage}", path.display())))]
+    Memory {
+        /// The file.
+        path: PathBuf,
+        /// What needs the memory, a noun phrase.
+        what: String,
+        /// What is needed, and what there is.
+        shortage: Shortage,
+    },
     /// A file that another one names cannot be used.
     #[error("{}{place} names {name}: {error}", path.display())]
     Named {
@@ -102,7 +113,8 @@ impl LoadError {
         match self {
             Self::Io { path, .. }
             | Self::Unsupported { path, place: Place::File, .. }
-            | Self::TooLarge { path, place: Place::File, .. } => path == file,
+            | Self::TooLarge { path, place: Place::File, .. }
+            | Self::Memory { path, .. } => path == file,
             _ => false,
         }
     }
@@ -110,6 +122,11 @@ impl LoadError {
     /// Why a text in TOML, that is no scene file, is not what it should be; `help` is what to do, a sentence.
     pub fn of_toml(path: &Path, text: &str, error: &::toml::de::Error, help: &str) -> Self {
         super::toml::failure(path, text, error, help)
+    }
+
+    /// How to say that something of a file does not fit.
+    pub(crate) fn memory<'a>(path: &'a Path, what: &'a str) -> impl Fn(Shortage) -> Self + 'a {
+        move |shortage| Self::Memory { path: path.to_owned(), what: what.to_owned(), shortage }
     }
 
     pub(crate) fn unknown_format(path: &Path) -> Self {

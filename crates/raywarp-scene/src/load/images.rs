@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::quote::file_name;
+use super::source::{read_regular, Unread};
 use super::{LoadError, Sources};
+use crate::memory::{Budget, Shortage};
 use crate::{Image, Scene};
 
 /// Most texels in a row or a column.
@@ -52,7 +54,8 @@ pub(super) fn from_file(path: &Path, asker: Asker, scene: &mut Scene, sources: &
         return Ok(index);
     }
     sources.note(&path);
-    let decoded = read(&path).and_then(|bytes| decode(&name, &bytes));
+    let budget = sources.budget().clone();
+    let decoded = read(&path, &budget).and_then(|bytes| decode(&name, &bytes, &budget));
     add(&name, decoded, asker, scene, sources)
 }
 
@@ -67,7 +70,8 @@ pub(super) fn from_bytes(
     if let Some(index) = sources.images.find(name, scene) {
         return Ok(index);
     }
-    add(name, decode(name, bytes), asker, scene, sources)
+    let decoded = decode(name, bytes, sources.budget());
+    add(name, decoded, asker, scene, sources)
 }
 
 /// Index in `scene.images` of what stands in for a picture that is not to be had, for a reason given as a phrase.
@@ -80,20 +84,39 @@ pub(super) fn missing(
 ) -> Result<u32, LoadError> {
     match sources.images.find(name, scene) {
         Some(index) => Ok(index),
-        None => add(name, Err(reason), asker, scene, sources),
+        None => add(name, Err(Unusable::Reason(reason)), asker, scene, sources),
+    }
+}
+
+/// Why a picture cannot be used.
+#[derive(Debug, PartialEq)]
+enum Unusable {
+    /// A phrase. Something else can stand in for the picture.
+    Reason(String),
+    /// There is no room for it.
+    Memory(Shortage),
+}
+
+impl From<String> for Unusable {
+    fn from(reason: String) -> Self {
+        Self::Reason(reason)
     }
 }
 
 fn add(
     name: &str,
-    decoded: Result<Image, String>,
+    decoded: Result<Image, Unusable>,
     asker: Asker,
     scene: &mut Scene,
     sources: &mut Sources,
 ) -> Result<u32, LoadError> {
     let image = match decoded {
         Ok(image) => image,
-        Err(reason) => {
+        Err(Unusable::Memory(shortage)) => {
+            let what = format!("the image {}", file_name(name));
+            return Err(LoadError::Memory { path: asker.path.to_owned(), what, shortage });
+        }
+        Err(Unusable::Reason(reason)) => {
             let message = format!(
                 "the image {} cannot be used: {reason}; a magenta checker stands in for its colours",
                 file_name(name)
@@ -109,18 +132,16 @@ fn add(
 }
 
 /// The bytes of a regular file: a pipe or a device might never end.
-fn read(path: &Path) -> Result<Vec<u8>, String> {
-    let metadata = std::fs::metadata(path).map_err(|error| error.to_string())?;
-    if metadata.is_dir() {
-        return Err("it is a directory".to_owned());
-    }
-    if !metadata.is_file() {
-        return Err("it is not a regular file".to_owned());
-    }
-    std::fs::read(path).map_err(|error| error.to_string())
+fn read(path: &Path, budget: &Budget) -> Result<Vec<u8>, Unusable> {
+    read_regular(path, budget).map_err(|unread| match unread {
+        Unread::Io(error) => Unusable::Reason(error.to_string()),
+        Unread::NotAFile { is_directory: true } => Unusable::Reason("it is a directory".to_owned()),
+        Unread::NotAFile { is_directory: false } => Unusable::Reason("it is not a regular file".to_owned()),
+        Unread::Memory(shortage) => Unusable::Memory(shortage),
+    })
 }
 
-fn decode(name: &str, bytes: &[u8]) -> Result<Image, String> {
+fn decode(name: &str, bytes: &[u8], budget: &Budget) -> Result<Image, Unusable> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
@@ -137,9 +158,17 @@ fn decode(name: &str, bytes: &[u8]) -> Result<Image, String> {
     let (width, height) = decoder.dimensions();
     check_size(width, height, bytes.len() as u64)?;
     limits.reserve(decoder.total_bytes()).map_err(sentence)?;
+    take(budget, decoder.total_bytes(), 4 * u64::from(width) * u64::from(height))?;
     decoder.set_limits(limits).map_err(sentence)?;
     let texels = rgba(DynamicImage::from_decoder(decoder).map_err(sentence)?);
     Ok(Image { name: name.to_owned(), width, height, texels })
+}
+
+/// Takes room for texels; besides, there has to be room for what a decoder and the conversion hold for a moment: what the
+/// decoder gives, its own (a progressive JPEG has all coefficients, 16 bits each), and the texels once more.
+fn take(budget: &Budget, decoded: u64, texels: u64) -> Result<(), Unusable> {
+    let peak = decoded.saturating_mul(3).saturating_add(2 * texels);
+    budget.fits(peak).and_then(|()| budget.take(texels)).map_err(Unusable::Memory)
 }
 
 /// Refuses what is empty, too large, or far too large for its file: a header is not worth gigabytes.

@@ -21,6 +21,7 @@ mod untextured;
 use std::path::{Path, PathBuf};
 
 use super::Scene;
+use crate::memory::Budget;
 pub use error::{LoadError, Place};
 pub use source::{LoadOptions, Sources, Warning};
 
@@ -71,7 +72,12 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
 
 /// As [`load`], and says which files were asked for even where it fails: one of them may become whole later.
 pub fn attempt(path: &Path, options: &LoadOptions) -> Attempt {
-    let mut sources = Sources::new(options);
+    attempt_within(path, options, Budget::of_machine())
+}
+
+/// As [`attempt`], in so much memory: files, decoders at their peaks, decoded pictures, geometry and instances together.
+pub fn attempt_within(path: &Path, options: &LoadOptions, budget: Budget) -> Attempt {
+    let mut sources = Sources::within(options, budget);
     let scene = read(path, &mut sources);
     let files = sources.files().to_vec();
     Attempt { result: scene.map(|scene| sources.into_loaded(scene)), files }
@@ -102,6 +108,9 @@ pub(crate) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadErro
     untextured::settle(path, &mut scene, sources)?;
     Ok(scene)
 }
+
+#[cfg(test)]
+mod tests_of_memory;
 
 #[cfg(test)]
 mod tests {

@@ -2,12 +2,15 @@
 
 use std::collections::{HashMap, HashSet};
 use std::fmt;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::error::Place;
 use super::images::ImageIndices;
 use super::quote::printable;
 use super::{LoadError, Loaded};
+use crate::memory::{Budget, Shortage};
 use crate::Scene;
 
 /// How forgiving reading is.
@@ -41,6 +44,7 @@ impl fmt::Display for Warning {
 /// What the readers share while one scene is read.
 pub struct Sources {
     options: LoadOptions,
+    budget: Budget,
     warnings: Vec<Warning>,
     notes: Vec<Warning>,
     seen: HashSet<Warning>,
@@ -62,10 +66,16 @@ const MAX_NESTING: usize = 16;
 const MAX_USES: usize = 64;
 
 impl Sources {
-    /// No file read yet.
+    /// No file read yet. The memory is what this process can have now.
     pub fn new(options: &LoadOptions) -> Self {
+        Self::within(options, Budget::of_machine())
+    }
+
+    /// The same with a budget of memory.
+    pub fn within(options: &LoadOptions, budget: Budget) -> Self {
         Self {
             options: *options,
+            budget,
             warnings: Vec::new(),
             notes: Vec::new(),
             seen: HashSet::new(),
@@ -76,6 +86,11 @@ impl Sources {
             asked: Vec::new(),
             asked_before: HashSet::new(),
         }
+    }
+
+    /// What the scene may still take. Whoever allocates by what a file says asks it first.
+    pub(super) fn budget(&self) -> &Budget {
+        &self.budget
     }
 
     /// Files that are read from memory: paths and contents. They hide files of the same paths on disk.
@@ -174,22 +189,21 @@ impl Sources {
     ///
     /// # Errors
     /// [`LoadError::Io`] for a missing or unreadable file, [`LoadError::Unsupported`] for what is no regular file: a
-    /// directory holds nothing to read, and a pipe or a device might never end.
+    /// directory holds nothing to read, and a pipe or a device might never end; [`LoadError::Memory`] for one that does not
+    /// fit.
     pub fn bytes(&mut self, path: &Path) -> Result<Vec<u8>, LoadError> {
         if let Some(bytes) = self.files.get(path) {
             return Ok(bytes.clone());
         }
         self.note(path);
-        let failed = |source: std::io::Error| LoadError::Io {
-            path: path.to_owned(),
-            help: help_for(&source).to_owned(),
-            source,
-        };
-        let metadata = std::fs::metadata(path).map_err(failed)?;
-        if !metadata.is_file() {
-            return Err(not_a_file(path, metadata.is_dir()));
+        match read_regular(path, &self.budget) {
+            Ok(bytes) => Ok(bytes),
+            Err(Unread::Io(source)) => {
+                Err(LoadError::Io { path: path.to_owned(), help: help_for(&source).to_owned(), source })
+            }
+            Err(Unread::NotAFile { is_directory }) => Err(not_a_file(path, is_directory)),
+            Err(Unread::Memory(shortage)) => Err(LoadError::memory(path, "the file")(shortage)),
         }
-        std::fs::read(path).map_err(failed)
     }
 
     /// Notes that a file on disk is part of the scene, be it missing.
@@ -213,6 +227,31 @@ impl Sources {
     pub(super) fn into_loaded(self, scene: Scene) -> Loaded {
         Loaded { scene, warnings: self.warnings, notes: self.notes, files: self.asked }
     }
+}
+
+/// Why a file was not read.
+pub(super) enum Unread {
+    Io(std::io::Error),
+    NotAFile { is_directory: bool },
+    Memory(Shortage),
+}
+
+/// The bytes that a regular file had when it was opened: one that grows meanwhile ends there.
+pub(super) fn read_regular(path: &Path, budget: &Budget) -> Result<Vec<u8>, Unread> {
+    // Before it is opened, as the opening of a pipe waits for a writer; and after, as it may be another then.
+    let check = |metadata: std::fs::Metadata| match metadata.is_file() {
+        true => Ok(metadata.len()),
+        false => Err(Unread::NotAFile { is_directory: metadata.is_dir() }),
+    };
+    check(std::fs::metadata(path).map_err(Unread::Io)?)?;
+    let file = File::open(path).map_err(Unread::Io)?;
+    let length = check(file.metadata().map_err(Unread::Io)?)?;
+    budget.take(length).map_err(Unread::Memory)?;
+    let mut bytes = Vec::new();
+    // Files of the kernel say 0 and have more: they are read as empty.
+    bytes.try_reserve_exact(length as usize).map_err(|_| Unread::Memory(Shortage { needed: length, free: 0 }))?;
+    file.take(length).read_to_end(&mut bytes).map_err(Unread::Io)?;
+    Ok(bytes)
 }
 
 /// One path for one file; the path itself where there is no such file.

@@ -51,15 +51,15 @@ fn listen_at(place: SocketAddr) -> io::Result<TcpListener> {
     Ok(socket.into())
 }
 
-/// What to open in a browser. The token is behind the `#`: browsers keep that part to themselves.
-pub fn url(at: SocketAddr, token: Option<&Token>) -> String {
+/// What to open in a browser. The ticket is behind the `#`: browsers keep that part to themselves.
+pub fn url(at: SocketAddr, ticket: Option<&Token>) -> String {
     let port = at.port();
     let place = match at.ip() {
         ip if ip.is_unspecified() => format!("{}:{port}", machine()),
         _ => at.to_string(),
     };
-    let secret = token.map_or(String::new(), |token| format!("#token={}", token.encoded()));
-    format!("http://{place}/{secret}")
+    let ticket = ticket.map_or(String::new(), |ticket| format!("#ticket={}", ticket.text()));
+    format!("http://{place}/{ticket}")
 }
 
 /// The command that makes a port of another machine lead here.
@@ -140,9 +140,9 @@ mod tests {
     #[test]
     fn addresses_are_what_a_browser_and_a_shell_take() {
         let at = |text: &str| text.parse::<SocketAddr>().unwrap();
-        let token = Token::chosen("open-sesame").unwrap();
+        let ticket = Token::random().unwrap();
         assert_eq!(url(at("127.0.0.1:8787"), None), "http://127.0.0.1:8787/");
-        assert_eq!(url(at("[::1]:80"), Some(&token)), "http://[::1]:80/#token=open-sesame");
+        assert_eq!(url(at("[::1]:80"), Some(&ticket)), format!("http://[::1]:80/#ticket={}", ticket.text()));
         assert!(!url(at("0.0.0.0:8787"), None).contains("0.0.0.0"));
         assert!(ssh_line(at("0.0.0.0:8787")).starts_with("ssh -N -L 8787:127.0.0.1:8787 "));
         assert!(ssh_line(at("[::]:8787")).starts_with("ssh -N -L 8787:[::1]:8787 "));

@@ -18,6 +18,7 @@ use tokio::time::{sleep, timeout};
 
 use super::address::is_own;
 use super::connections::{Connection, Connections};
+use super::invitations::Invitations;
 use super::protocol::MAX_MESSAGE;
 use super::registry::ClientRegistry;
 use super::{socket, Patience, ServeOptions};
@@ -53,13 +54,14 @@ const FILES: [(&str, &str, &str); 10] = [
 pub struct AppState {
     pub registry: Arc<ClientRegistry>,
     pub options: ServeOptions,
+    pub invitations: Arc<Invitations>,
     connections: Arc<Connections>,
 }
 
 impl AppState {
-    pub fn new(registry: Arc<ClientRegistry>, options: ServeOptions) -> Self {
+    pub fn new(registry: Arc<ClientRegistry>, options: ServeOptions, invitations: Arc<Invitations>) -> Self {
         let connections = Connections::new(options.connections);
-        Self { registry, options, connections }
+        Self { registry, options, invitations, connections }
     }
 }
 

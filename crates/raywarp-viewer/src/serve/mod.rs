@@ -14,6 +14,7 @@ mod files;
 mod http;
 mod inbox;
 mod input;
+mod invitations;
 mod outbox;
 mod pace;
 mod protocol;
@@ -31,11 +32,13 @@ use std::sync::Arc;
 use std::time::Duration;
 
 pub use error::ServeError;
+pub use invitations::Addresses;
 pub use protocol::VERSION as PROTOCOL;
 pub use stripes::{messages, Coding, StripeError};
 pub use token::Token;
 
 use crate::live::LiveScene;
+use invitations::Invitations;
 use registry::{ClientRegistry, Ending};
 
 /// Longest time that the end waits for clients to have heard of it.
@@ -94,6 +97,7 @@ pub struct Server {
     at: SocketAddr,
     options: ServeOptions,
     registry: Arc<ClientRegistry>,
+    invitations: Arc<Invitations>,
 }
 
 impl Server {
@@ -107,7 +111,8 @@ impl Server {
             options.token = Some(Token::random()?);
         }
         let registry = Arc::new(ClientRegistry::new(options.viewers.max(1)));
-        Ok(Self { listener, at, options, registry })
+        let invitations = Arc::new(Invitations::new(at, options.token.is_some())?);
+        Ok(Self { listener, at, options, registry, invitations })
     }
 
     /// Where it listens.
@@ -115,14 +120,15 @@ impl Server {
         self.at
     }
 
-    /// What to open in a browser, with the token.
-    pub fn url(&self) -> String {
-        address::url(self.at, self.options.token.as_ref())
+    /// What to open in a browser. With a token, each address holds a ticket that can be used once: see
+    /// [`tell_addresses`](Self::tell_addresses).
+    pub fn addresses(&self) -> Addresses {
+        self.invitations.addresses()
     }
 
-    /// What to open on a machine where [`ssh_line`](Self::ssh_line) runs.
-    pub fn url_through_ssh(&self) -> String {
-        address::url((std::net::Ipv4Addr::LOCALHOST, self.at.port()).into(), self.options.token.as_ref())
+    /// Has the next addresses told whenever a ticket was used, on a thread of the server; the first call counts.
+    pub fn tell_addresses(&self, tell: impl Fn(&Addresses) + Send + Sync + 'static) {
+        self.invitations.tell(Box::new(tell));
     }
 
     /// The command that brings the port to another machine, for people to run there.
@@ -135,7 +141,7 @@ impl Server {
         Stopper(Arc::clone(&self.registry))
     }
 
-    /// Serves until it is stopped or something fails. The stage is opened on this thread and stays on it; clients are
+    /// Serves until it is stopped or something fails. The live scene is opened on this thread and stays on it; clients are
     /// answered meanwhile, and told how it ended.
     ///
     /// # Errors
@@ -151,8 +157,9 @@ impl Server {
             let _inside = runtime.enter();
             tokio::net::TcpListener::from_std(self.listener).map_err(ServeError::Threads)?
         };
-        let Self { registry, options, .. } = self;
-        runtime.spawn(http::listen(listener, Arc::new(http::AppState::new(Arc::clone(&registry), options))));
+        let Self { registry, options, invitations, .. } = self;
+        let state = http::AppState::new(Arc::clone(&registry), options, invitations);
+        runtime.spawn(http::listen(listener, Arc::new(state)));
         let done = shielded(|| render_thread::run(open(), &registry));
         registry.end(Ending::of(&done));
         runtime.block_on(registry.wait_until_empty(PARTING));

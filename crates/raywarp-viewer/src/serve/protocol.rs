@@ -4,7 +4,7 @@
 //!
 //! | type | fields | |
 //! | --- | --- | --- |
-//! | `hello` | `protocol`, `token`, `width`, `height` | first, and once; `token` may be left out where none is needed; size of the picture in pixels |
+//! | `hello` | `protocol`, `token`, `ticket`, `width`, `height` | first, and once; one of `token` and `ticket` where one is needed; size of the picture in pixels |
 //! | `event` | `event` | an [`Event`], such as `{"kind": "wheel", "notches": 1}` |
 //! | `mark` | `mark` | a number that the first picture made after all input so far is to carry |
 //! | `ack` | `frame` | this picture is shown, and so are or never will be those before it |
@@ -17,7 +17,7 @@
 //!
 //! | type | fields | |
 //! | --- | --- | --- |
-//! | `hello` | `protocol`, `version`, `name`, `help` | answers the client's; the help is a list of groups, each a title and a list of keys and what they do |
+//! | `hello` | `protocol`, `version`, `name`, `help`, `token` | answers the client's; the help is a list of groups, each a title and a list of keys and what they do; the token comes once, for a ticket, and the ticket is used up |
 //! | `status` | `status`, `link` | a [`Status`], and how pictures are sent: `quality`, `scale`, `lag_ms`, `ping_ms`, `viewers` |
 //! | `panel` | `panel` | a [`Panel`], whenever it has changed |
 //! | `copy` | `text` | to be put on the clipboard |
@@ -79,6 +79,8 @@ pub enum FromClient {
         protocol: u32,
         #[serde(default)]
         token: String,
+        #[serde(default)]
+        ticket: String,
         width: u32,
         height: u32,
     },
@@ -104,12 +106,33 @@ pub enum FromClient {
 #[derive(Debug, Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum FromServer<'a> {
-    Hello { protocol: u32, version: &'a str, name: &'a str, help: &'a [(&'a str, &'a [(&'a str, &'a str)])] },
-    Status { status: &'a Status, link: Link },
-    Panel { panel: &'a Panel },
-    Copy { text: &'a str },
-    File { name: &'a str, media_type: &'a str, bytes: usize },
-    End { text: &'a str, error: bool },
+    Hello {
+        protocol: u32,
+        version: &'a str,
+        name: &'a str,
+        help: &'a [(&'a str, &'a [(&'a str, &'a str)])],
+        #[serde(skip_serializing_if = "Option::is_none")]
+        token: Option<&'a str>,
+    },
+    Status {
+        status: &'a Status,
+        link: Link,
+    },
+    Panel {
+        panel: &'a Panel,
+    },
+    Copy {
+        text: &'a str,
+    },
+    File {
+        name: &'a str,
+        media_type: &'a str,
+        bytes: usize,
+    },
+    End {
+        text: &'a str,
+        error: bool,
+    },
 }
 
 /// How pictures are sent.
@@ -127,10 +150,10 @@ pub struct Link {
     pub viewers: usize,
 }
 
-impl FromServer<'_> {
-    /// The greeting.
-    pub fn hello() -> Self {
-        Self::Hello { protocol: VERSION, version: env!("CARGO_PKG_VERSION"), name: "raywarp", help: HELP }
+impl<'a> FromServer<'a> {
+    /// The greeting, with the token for one who came with a ticket.
+    pub fn hello(token: Option<&'a str>) -> Self {
+        Self::Hello { protocol: VERSION, version: env!("CARGO_PKG_VERSION"), name: "raywarp", help: HELP, token }
     }
 
     /// As it is sent.
@@ -212,9 +235,9 @@ mod tests {
         for text in ["", "{}", "[]", "7", r#"{"type": "ack"}"#, r#"{"type": "ack", "frame": -1}"#, r#"{"type": "x"}"#] {
             assert!(read(text).is_err(), "{text}");
         }
-        let hello: serde_json::Value = serde_json::from_str(&FromServer::hello().text()).unwrap();
+        let hello: serde_json::Value = serde_json::from_str(&FromServer::hello(None).text()).unwrap();
         assert_eq!((&hello["type"], &hello["protocol"]), (&"hello".into(), &VERSION.into()));
-        assert!(hello["help"][0][1][0][1].is_string(), "{hello}");
+        assert!(hello["help"][0][1][0][1].is_string() && hello.get("token").is_none(), "{hello}");
     }
 
     #[test]

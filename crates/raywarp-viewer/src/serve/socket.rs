@@ -19,6 +19,7 @@ use super::input::checked;
 use super::outbox::{File, Frame, Outgoing};
 use super::protocol::{close as code, FromClient, FromServer, VERSION};
 use super::registry::{Admission, ClientRegistry, Ending};
+use super::Token;
 
 /// Between two pings.
 const PINGS: Duration = Duration::from_secs(2);
@@ -26,6 +27,9 @@ const PINGS: Duration = Duration::from_secs(2);
 const HESITATION: Duration = Duration::from_millis(300);
 /// For a client to take notice that the connection is closed.
 const FAREWELL: Duration = Duration::from_secs(1);
+/// What a client without the secret is told.
+const REFUSAL: &str =
+    "the token is missing or wrong, or the ticket was used: open the last address that the server printed";
 /// Longest reason that fits a close frame, in bytes.
 const REASON: usize = 120;
 
@@ -68,16 +72,16 @@ async fn greet(sink: &mut Sink, stream: &mut Stream, state: &AppState) -> Result
         Some(Err(error)) => return Err(broken(&error)),
         None => return Err(None),
     };
-    let Ok(FromClient::Hello { protocol, token, width, height }) = serde_json::from_str(&text) else {
+    let Ok(FromClient::Hello { protocol, token, ticket, width, height }) = serde_json::from_str(&text) else {
         return Err(ending(code::UNREADABLE, "the first message must be a greeting: \"hello\""));
     };
-    if state.options.token.as_ref().is_some_and(|wanted| !wanted.is(&token)) {
+    let secret = state.options.token.as_ref().filter(|secret| !secret.is(&token));
+    if secret.is_some() && !state.invitations.is_valid(&ticket) {
         sleep(HESITATION).await;
-        return Err(ending(code::TOKEN, "the token is missing or wrong: open the address that the server printed"));
+        return Err(ending(code::TOKEN, REFUSAL));
     }
-    let hello = Message::text(FromServer::hello().text());
     if protocol != VERSION {
-        let _ = sink.send(hello).await;
+        let _ = sink.send(Message::text(FromServer::hello(None).text())).await;
         let text =
             format!("this server speaks version {VERSION} of the protocol, the page {protocol}: reload the page");
         return Err(ending(code::VERSION, text));
@@ -87,7 +91,11 @@ async fn greet(sink: &mut Sink, stream: &mut Stream, state: &AppState) -> Result
         ending(code::FULL, format!("all {most} places are taken: try again later"))
     };
     let admission = state.registry.admit([width, height]).ok_or_else(full)?;
-    if sink.send(hello).await.is_err() {
+    // The last thing: who is refused for another reason keeps the ticket.
+    if secret.is_some() && !state.invitations.redeem(&ticket) {
+        return Err(ending(code::TOKEN, REFUSAL));
+    }
+    if sink.send(Message::text(FromServer::hello(secret.map(Token::text)).text())).await.is_err() {
         return Err(None);
     }
     Ok(admission)

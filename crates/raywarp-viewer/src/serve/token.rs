@@ -1,12 +1,8 @@
 //! The secret that clients must know.
 
-use percent_encoding::{utf8_percent_encode, AsciiSet, NON_ALPHANUMERIC};
 use subtle::ConstantTimeEq;
 
 use super::ServeError;
-
-/// What a token in an address has only encoded: all but RFC 3986's unreserved characters.
-const RESERVED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'~');
 
 /// A secret that clients must know.
 #[derive(Clone)]
@@ -23,8 +19,7 @@ impl Token {
         Ok(Self(bytes.iter().map(|byte| format!("{byte:02x}")).collect()))
     }
 
-    /// A chosen one: 8 to 128 characters, none of them a control character, no space at either end. In an address all
-    /// but letters, digits, `-`, `.`, `_` and `~` stand as `%` and two hexadecimal digits a byte.
+    /// A chosen one: 8 to 128 characters, none of them a control character, no space at either end.
     ///
     /// # Errors
     /// [`ServeError::Token`] for any other. The error does not hold the text.
@@ -47,9 +42,9 @@ impl Token {
         self.0.as_bytes().ct_eq(text.as_bytes()).into()
     }
 
-    /// As it stands in an address.
-    pub(super) fn encoded(&self) -> String {
-        utf8_percent_encode(&self.0, RESERVED).to_string()
+    /// For those who may know it.
+    pub(super) fn text(&self) -> &str {
+        &self.0
     }
 }
 
@@ -82,13 +77,5 @@ mod tests {
         }
         let token = Token::chosen("open-Sesame_1").unwrap();
         assert!(token.is("open-Sesame_1") && !token.is("open-Sesame_2") && !token.is("") && !token.is("open"));
-    }
-
-    #[test]
-    fn any_text_stands_in_an_address() {
-        let encoded = |text: &str| Token::chosen(text).unwrap().encoded();
-        assert_eq!(encoded("open-Sesame_1.~"), "open-Sesame_1.~");
-        assert_eq!(encoded("a b+c&d=#%/"), "a%20b%2Bc%26d%3D%23%25%2F");
-        assert_eq!(encoded("schlüssel"), "schl%C3%BCssel");
     }
 }

@@ -46,6 +46,8 @@ pub const LONG: Duration = Duration::from_secs(60);
 /// A server with a scene of its own.
 pub struct House {
     pub at: SocketAddr,
+    /// What a browser would open.
+    pub url: String,
     stopper: Stopper,
     server: Option<JoinHandle<Result<(), ServeError>>>,
     _directory: tempfile::TempDir,
@@ -61,9 +63,9 @@ impl House {
         let path = directory.path().join("scene.toml");
         std::fs::write(&path, scene).unwrap();
         let server = Server::bind(ServeOptions { port: 0, ..options }).unwrap();
-        let (at, stopper) = (server.address(), server.stopper());
+        let (at, stopper, url) = (server.address(), server.stopper(), server.addresses().here);
         let server = std::thread::spawn(move || server.run(|| live_scene(path)));
-        Self { at, stopper, server: Some(server), _directory: directory }
+        Self { at, url, stopper, server: Some(server), _directory: directory }
     }
 
     pub fn open() -> Self {

@@ -9,7 +9,7 @@ use raywarp_core::triangle::{flags, Triangle};
 
 use super::RenderError;
 use crate::device::DeviceError;
-use crate::scene::{AlphaMode, Instance, Material, Mesh, Scene, Transform};
+use crate::scene::{memory, AlphaMode, Instance, Material, Mesh, Scene, Transform};
 use crate::MISS;
 
 /// A scene in arrays. Optional vertex data is either there for all vertices or for none.
@@ -39,6 +39,12 @@ struct Layout {
 }
 
 impl Layout {
+    /// Bytes of a vertex.
+    fn bytes(&self) -> usize {
+        let there = [(self.uvs, 8), (self.second_uvs, 8), (self.colors, 16), (self.tangents, 16)];
+        there.into_iter().filter(|(there, _)| *there).map(|(_, bytes)| bytes).sum()
+    }
+
     fn of(scene: &Scene, instances: &[Instance]) -> Self {
         let any = |has: fn(&Mesh) -> bool| instances.iter().filter_map(|i| scene.meshes.get(i.mesh)).any(has);
         Self {
@@ -76,21 +82,27 @@ impl Flat {
         materials: &[Material],
         is_shared: impl Fn(usize) -> bool,
     ) -> Result<Self, RenderError> {
-        let mut flat = Self { layout: Layout::of(scene, instances), ..Self::default() };
+        let layout = Layout::of(scene, instances);
+        let totals = totals(scene, instances, &is_shared);
+        if let Some(&len) = totals.iter().find(|&&len| u32::try_from(len).is_err()) {
+            return Err(DeviceError::TooMany { len }.into());
+        }
+        check_memory(totals, layout.bytes())?;
+        let mut flat = Self { layout, ..Self::default() };
         let triangle_flags: Vec<u32> = materials.iter().map(flags_of).collect();
         let mut shared = vec![None; scene.meshes.len()];
         for (index, instance) in instances.iter().enumerate() {
             let mesh = check_instance(scene, instance)?;
             if !is_shared(index) {
                 check_mesh(scene, instance, mesh)?;
-                flat.add_in_world(mesh, instance, &triangle_flags)?;
+                flat.add_in_world(mesh, instance, &triangle_flags);
                 continue;
             }
             let first_primitive = match shared[instance.mesh] {
                 Some(first) => first,
                 None => {
                     check_mesh(scene, instance, mesh)?;
-                    *shared[instance.mesh].insert(flat.add_mesh(mesh)?)
+                    *shared[instance.mesh].insert(flat.add_mesh(mesh))
                 }
             };
             flat.add_instance(instance, first_primitive);
@@ -99,28 +111,27 @@ impl Flat {
     }
 
     /// Adds a mesh brought to world space, and its instance.
-    fn add_in_world(&mut self, mesh: &Mesh, instance: &Instance, flags: &[u32]) -> Result<(), RenderError> {
+    fn add_in_world(&mut self, mesh: &Mesh, instance: &Instance, flags: &[u32]) {
         let (first, first_primitive) = (self.positions.len(), self.primitives.len() as u32);
         self.place(mesh, instance);
-        self.add_attributes(mesh)?;
+        self.add_attributes(mesh);
         self.add_triangles(mesh, instance, first as u32, flags);
         self.vertices.push(first..self.positions.len());
         let flags = surface::IN_WORLD | handedness(instance);
         self.instances.push(surface::Instance { first_primitive, flags, ..surface::Instance::IN_PLACE });
-        Ok(())
     }
 
     /// Adds a mesh as it is; tells where its primitives begin.
-    fn add_mesh(&mut self, mesh: &Mesh) -> Result<u32, RenderError> {
+    fn add_mesh(&mut self, mesh: &Mesh) -> u32 {
         let (first, first_primitive) = (self.positions.len() as u32, self.primitives.len() as u32);
         self.place(mesh, &Instance { name: String::new(), mesh: 0, transform: Transform::IDENTITY, material: None });
-        self.add_attributes(mesh)?;
+        self.add_attributes(mesh);
         let primitive = |(corners, &material): (&[u32; 3], &u32)| Primitive {
             vertices: corners.map(|vertex| first + vertex),
             material,
         };
         self.primitives.extend(mesh.triangles.iter().zip(&mesh.materials).map(primitive));
-        Ok(first_primitive)
+        first_primitive
     }
 
     /// Adds an instance of a mesh that stays where it is.
@@ -130,18 +141,13 @@ impl Flat {
     }
 
     /// Adds what a mesh has at its vertices beside what [`place`](Self::place) adds.
-    fn add_attributes(&mut self, mesh: &Mesh) -> Result<(), RenderError> {
+    fn add_attributes(&mut self, mesh: &Mesh) {
         let layout = self.layout;
         pad(&mut self.uvs, &mesh.uvs, mesh, layout.uvs, [0.0; 2]);
         pad(&mut self.second_uvs, &mesh.second_uvs, mesh, layout.second_uvs, [0.0; 2]);
         pad(&mut self.colors, &mesh.colors, mesh, layout.colors, [1.0; 4]);
         if mesh.tangents.is_empty() {
             pad(&mut self.tangents, &[], mesh, layout.tangents, [0.0; 4]);
-        }
-        let len = self.positions.len().max(self.primitives.len() + mesh.triangles.len());
-        match u32::try_from(len) {
-            Ok(_) => Ok(()),
-            Err(_) => Err(DeviceError::TooMany { len }.into()),
         }
     }
 
@@ -198,6 +204,37 @@ pub(super) fn handedness(instance: &Instance) -> u32 {
     match Mat3::from_cols_array_2d(&instance.transform.columns).determinant() < 0.0 {
         true => surface::MIRRORED,
         false => 0,
+    }
+}
+
+/// Vertices and triangles of all instances, those of a shared mesh once.
+fn totals(scene: &Scene, instances: &[Instance], is_shared: impl Fn(usize) -> bool) -> [usize; 2] {
+    let mut counted = vec![false; scene.meshes.len()];
+    let mut own = |(index, instance): (usize, &Instance)| {
+        let mesh = scene.meshes.get(instance.mesh)?;
+        let again = is_shared(index) && std::mem::replace(&mut counted[instance.mesh], true);
+        (!again).then(|| [mesh.positions.len(), mesh.triangles.len()])
+    };
+    instances.iter().enumerate().filter_map(&mut own).fold([0; 2], |[v, t], [own_v, own_t]| [v + own_v, t + own_t])
+}
+
+/// Refuses instances that do not fit in the memory of this machine once they are in world space, with the nodes of a tree
+/// over them. `optional` is what a vertex has beside its position and its normal.
+fn check_memory([vertices, triangles]: [usize; 2], optional: usize) -> Result<(), RenderError> {
+    const VERTEX: usize = 2 * std::mem::size_of::<math::Vec3>();
+    const TRIANGLE: usize = std::mem::size_of::<Primitive>() + std::mem::size_of::<Triangle>() + TREE;
+    // A node of a binary tree has its two boxes.
+    const TREE: usize = 64;
+    let needed = vertices as u64 * (VERTEX + optional) as u64 + triangles as u64 * TRIANGLE as u64;
+    match memory::available() {
+        Some(available) if needed > available => Err(DeviceError::Memory {
+            device: "this machine".to_owned(),
+            purpose: "the instances of the scene".to_owned(),
+            needed,
+            available,
+        }
+        .into()),
+        _ => Ok(()),
     }
 }
 
@@ -313,6 +350,21 @@ mod tests {
         let flat = Flat::of(&scene(scaled(2.0, 3.0, 0.5))).unwrap();
         assert_eq!(flat.positions[1].to_array(), [7.0, 0.0, 0.0]);
         assert_eq!(flat.normals[0].to_array(), [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn instances_beyond_the_memory_of_the_machine_are_refused_before_they_are_made() {
+        let mut scene = scene(Transform::IDENTITY);
+        scene.meshes[0].triangles = vec![[0, 1, 2]; 1 << 18];
+        scene.meshes[0].materials = vec![0; 1 << 18];
+        scene.instances = vec![scene.instances[0].clone(); (1 << 14) - 1];
+        // More than half a terabyte.
+        if memory::available().is_none_or(|bytes| bytes > 1 << 39) {
+            return;
+        }
+        let Err(RenderError::Device(error)) = Flat::of(&scene) else { panic!("it fits") };
+        assert!(matches!(&error, DeviceError::Memory { needed, available, .. } if needed > available), "{error}");
+        assert!(error.to_string().contains("for the instances of the scene"), "{error}");
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub(super) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadErro
     let parts = container::split(origin, &bytes)?;
     let root = container::parse(origin, &parts, sources)?;
     let mut buffers = Buffers::load(origin, &root, parts.binary, sources)?;
-    let mut budget = Budget::new(bytes.len() + buffers.total_bytes());
+    let mut budget = Budget::new(bytes.len() + buffers.total_bytes(), sources.budget().clone());
     decoded::read(origin, &root, &mut buffers, &mut budget)?;
     let mut reader = Reader {
         origin,

@@ -9,6 +9,7 @@ use super::meshes::Meshes;
 use crate::load::quote::quote;
 use crate::load::text::{is_keyword, parse_integer, Kind, Statement, Statements, Strays, Tally};
 use crate::load::{LoadError, Sources};
+use crate::memory::{Budget, Growth};
 use crate::{Mesh, Scene};
 
 /// The faces of a file, taken in.
@@ -39,7 +40,13 @@ pub(super) struct Elements<'a> {
 
 impl<'a> Elements<'a> {
     /// All faces of a file.
-    pub fn read(path: &'a Path, bytes: &'a [u8], meshes: Meshes<'a>, materials: Materials) -> Result<Self, LoadError> {
+    pub fn read(
+        path: &'a Path,
+        bytes: &'a [u8],
+        meshes: Meshes<'a>,
+        materials: Materials,
+        budget: &Budget,
+    ) -> Result<Self, LoadError> {
         let mut elements = Self {
             path,
             meshes,
@@ -59,8 +66,10 @@ impl<'a> Elements<'a> {
             corners: Vec::new(),
             polygon: Vec::new(),
         };
+        let mut growth = Growth::new(budget);
         for statement in Statements::new(bytes) {
             elements.statement(&statement)?;
+            growth.reach(1, elements.meshes.bytes()).map_err(LoadError::memory(path, "its meshes"))?;
         }
         Ok(elements)
     }

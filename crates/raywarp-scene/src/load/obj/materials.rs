@@ -48,6 +48,8 @@ impl Materials {
             let bytes = sources.bytes(&library).and_then(|bytes| check_encoding(&library, &bytes).map(|()| bytes));
             match bytes {
                 Ok(bytes) => mtl::read(&library, &bytes, &mut by_name, scene, sources)?,
+                // Nothing stands in for memory.
+                Err(error @ LoadError::Memory { .. }) => return Err(error),
                 Err(error) => {
                     libraries = Libraries::Incomplete;
                     sources.warn(path, Some(*line), unreadable(name, &error))?;

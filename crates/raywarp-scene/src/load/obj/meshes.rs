@@ -11,6 +11,10 @@ use crate::Mesh;
 /// Some programs name every face: names beyond these share the last mesh.
 const MAX_MESHES: usize = 65_536;
 
+/// Of a triangle and its material, and of a vertex with all that it may have and its entry in the table.
+const TRIANGLE_BYTES: usize = 16;
+const VERTEX_BYTES: usize = 12 + 12 + 8 + 16 + 24;
+
 /// The meshes of a file under construction.
 pub(super) struct Meshes<'a> {
     /// The file's points.
@@ -28,6 +32,8 @@ pub(super) struct Meshes<'a> {
     vertices: HashMap<Vertex, u32, FoldState>,
     /// What shares a smooth normal, in all meshes: position and smoothing group.
     classes: HashMap<Class, u32, FoldState>,
+    /// Triangles and vertices.
+    counts: [usize; 2],
 }
 
 #[derive(Default)]
@@ -69,7 +75,15 @@ impl<'a> Meshes<'a> {
             current: None,
             vertices: HashMap::default(),
             classes: HashMap::default(),
+            counts: [0; 2],
         }
+    }
+
+    /// About what triangles and vertices take so far, and what finds vertices again.
+    #[inline]
+    pub fn bytes(&self) -> usize {
+        let [triangles, vertices] = self.counts;
+        triangles * TRIANGLE_BYTES + vertices * VERTEX_BYTES
     }
 
     /// An object begins; it has no group yet.
@@ -95,6 +109,7 @@ impl<'a> Meshes<'a> {
         let mesh = &mut self.builders[current].mesh;
         mesh.triangles.push(triangle);
         mesh.materials.push(material);
+        self.counts[0] += 1;
     }
 
     /// The mesh of the present names.
@@ -134,8 +149,11 @@ impl<'a> Meshes<'a> {
             (None, 0) => Normal::Flat,
             (None, group) => Normal::Smooth(self.class(corner.position, group)),
         };
-        let (points, builder) = (self.points, &mut self.builders[current]);
-        *self.vertices.entry(Vertex::new(corner, normal)).or_insert_with(|| builder.push(points, corner, normal))
+        let (points, builder, vertices) = (self.points, &mut self.builders[current], &mut self.counts[1]);
+        *self.vertices.entry(Vertex::new(corner, normal)).or_insert_with(|| {
+            *vertices += 1;
+            builder.push(points, corner, normal)
+        })
     }
 
     fn class(&mut self, position: u32, group: u32) -> u32 {

@@ -32,14 +32,14 @@ pub(super) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadErro
     check_size(path, bytes.len() as u64)?;
     check_encoding(path, &bytes)?;
 
-    let points = Points::read(path, &bytes)?;
+    let points = Points::read(path, &bytes, sources.budget())?;
     points.warn(path, sources)?;
     let mut scene = Scene::default();
     let materials = Materials::read(path, &points.libraries, &mut scene, sources)?;
 
     let fallback_name = path.file_stem().unwrap_or_default().to_string_lossy();
     let meshes = Meshes::new(&points, &fallback_name);
-    let elements = Elements::read(path, &bytes, meshes, materials)?;
+    let elements = Elements::read(path, &bytes, meshes, materials, sources.budget())?;
     elements.warn(path, sources)?;
     let meshes = elements.finish(path, &mut scene, sources)?;
     blend_where_translucent(&meshes, &mut scene.materials);

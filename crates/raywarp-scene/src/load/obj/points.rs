@@ -7,6 +7,7 @@ use crate::load::precision::Rounding;
 use crate::load::repair::unit_or_zero;
 use crate::load::text::{parse_f64, Statement, Statements, Strays};
 use crate::load::{LoadError, Sources};
+use crate::memory::{Budget, Growth};
 
 /// The points of a file, in its order, and the material libraries it names.
 #[derive(Default)]
@@ -31,11 +32,15 @@ pub(super) struct Points {
     rounding: Rounding,
 }
 
+/// Most bytes of a position, a colour, a texture coordinate or a normal.
+const POINT_BYTES: usize = 16;
+
 impl Points {
     /// All points of a file.
-    pub fn read(path: &Path, bytes: &[u8]) -> Result<Self, LoadError> {
-        let mut points = Self::default();
+    pub fn read(path: &Path, bytes: &[u8], budget: &Budget) -> Result<Self, LoadError> {
+        let (mut points, mut growth) = (Self::default(), Growth::new(budget));
         for statement in Statements::new(bytes) {
+            growth.reach(points.count() + 1, POINT_BYTES).map_err(LoadError::memory(path, "its points"))?;
             match statement.keyword {
                 b"v" => points.position(path, &statement)?,
                 b"vt" => points.uv(path, &statement)?,
@@ -46,6 +51,10 @@ impl Points {
         }
         points.finish_colors();
         Ok(points)
+    }
+
+    fn count(&self) -> usize {
+        self.positions.len() + self.colors.len() + self.uvs.len() + self.normals.len()
     }
 
     /// Reports what was replaced.

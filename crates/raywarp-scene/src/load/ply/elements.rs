@@ -10,13 +10,20 @@ use super::faces::{Attributes, Corners, Faces};
 use super::header::{Element, Header};
 use super::values::{Bytes, Fault, Surplus, Text, Values};
 use super::vertices::Vertices;
+use crate::memory::{Budget, Growth};
 
 /// Reads the body that a header describes.
 pub(super) struct Reader<'a> {
     pub path: &'a Path,
     pub header: &'a Header,
     pub bytes: &'a [u8],
+    pub budget: &'a Budget,
 }
+
+/// Of a vertex with all that it may have; of a triangle with its material, and with what its face may say.
+const VERTEX_BYTES: u64 = 12 + 12 + 16 + 8;
+const TRIANGLE_BYTES: usize = 12 + 4;
+const FACE_BYTES: usize = TRIANGLE_BYTES + 28 + 16 + 4;
 
 /// What the tables hold.
 pub(super) struct Body {
@@ -93,6 +100,8 @@ impl Reader<'_> {
     }
 
     fn vertices(&self, element: &Element, values: &mut impl Values) -> Result<Vertices, LoadError> {
+        let bytes = VERTEX_BYTES * element.count as u64;
+        self.budget.take(bytes).map_err(LoadError::memory(self.path, "its vertices"))?;
         let (mut vertices, slots) = Vertices::new(element).map_err(|axis| {
             let read = format!("element 'vertex' has no property '{axis}'");
             self.broken(Place::File, read, "scalar properties x, y and z")
@@ -128,7 +137,8 @@ impl Reader<'_> {
         let has = |role: Role| roles.contains(&role);
         let format = ColorFormat::of(element);
         let mut attributes = Attributes { uvs: has(Role::Uvs).then(Vec::new), ..Attributes::default() };
-        let mut corners = Vec::new();
+        let (mut corners, mut growth) = (Vec::new(), Growth::new(self.budget));
+        let triangle = if attributes.uvs.is_some() || format.is_some() { FACE_BYTES } else { TRIANGLE_BYTES };
         for row in 0..element.count {
             let fault = |fault| self.fault(element, row, fault);
             values.start_row().map_err(fault)?;
@@ -154,6 +164,8 @@ impl Reader<'_> {
             }
             values.end_row();
             attributes.color = format.map(|format| format.color(color));
+            let triangles = faces.triangles.len() + corners.len();
+            growth.reach(triangles, triangle).map_err(LoadError::memory(self.path, "its faces"))?;
             faces.add_polygon(&corners, &attributes, positions).map_err(|wrong| fault(wrong.at(place)))?;
         }
         Ok(())
@@ -167,7 +179,7 @@ impl Reader<'_> {
         mut add: impl FnMut(&[f64]) -> Result<(), Corners>,
     ) -> Result<(), LoadError> {
         let (column, count_kind, index_kind) = self.vertex_list(element)?;
-        let mut list = Vec::new();
+        let (mut list, mut growth, mut triangles) = (Vec::new(), Growth::new(self.budget), 0);
         for row in 0..element.count {
             let fault = |fault| self.fault(element, row, fault);
             values.start_row().map_err(fault)?;
@@ -176,6 +188,8 @@ impl Reader<'_> {
             }
             let place = values.place();
             read_list(count_kind, index_kind, values, &mut list).map_err(fault)?;
+            triangles += list.len();
+            growth.reach(triangles, TRIANGLE_BYTES).map_err(LoadError::memory(self.path, "its strips"))?;
             add(&list).map_err(|wrong| fault(wrong.at(place)))?;
             for property in &element.properties[column + 1..] {
                 skip_property(&property.kind, values).map_err(fault)?;

@@ -44,7 +44,7 @@ pub(super) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadErro
     let bytes = sources.bytes(path)?;
     let header = Header::parse(path, &bytes)?;
     header.check_against_size(path, bytes.len())?;
-    let body = Reader { path, header: &header, bytes: &bytes }.read()?;
+    let body = Reader { path, header: &header, bytes: &bytes, budget: sources.budget() }.read()?;
     surface::assemble(path, &header, body, sources)
 }
 

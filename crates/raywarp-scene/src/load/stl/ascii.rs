@@ -7,6 +7,7 @@ use crate::load::precision::Rounding;
 use crate::load::text::{parse_f64, unpadded, Field, Statement, Statements, Strays};
 use crate::load::triangulate::Triangulator;
 use crate::load::LoadError;
+use crate::memory::{Budget, Growth};
 
 /// Whether the file begins as text does, and holds no NUL, as no text does.
 pub(super) fn is_text(bytes: &[u8]) -> bool {
@@ -18,7 +19,7 @@ pub(super) fn is_text(bytes: &[u8]) -> bool {
 }
 
 /// Reads all solids.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Contents, LoadError> {
+pub(super) fn read(path: &Path, bytes: &[u8], budget: &Budget) -> Result<Contents, LoadError> {
     let mut reader = Reader {
         path,
         solids: Vec::new(),
@@ -29,9 +30,15 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Contents, LoadError> {
         too_few_corners: 0,
         foreign: Strays::default(),
     };
-    let mut last = None;
+    let (mut last, mut growth, mut before) = (None, Growth::new(budget), 0);
     for statement in Statements::new(bytes) {
+        let solids = reader.solids.len();
         reader.line(&statement)?;
+        if reader.solids.len() > solids {
+            before += solids.checked_sub(1).map_or(0, |last| reader.solids[last].bytes());
+        }
+        let bytes = before + reader.solids.last().map_or(0, Solid::bytes);
+        growth.reach(1, bytes).map_err(LoadError::memory(path, "its triangles"))?;
         last = Some(statement);
     }
     if let (Some(_), Some(last)) = (&reader.facet, last) {

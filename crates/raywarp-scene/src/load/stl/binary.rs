@@ -10,6 +10,7 @@ use super::{Contents, Solid};
 use crate::load::colors::decoded;
 use crate::load::precision::Rounding;
 use crate::load::{LoadError, Place};
+use crate::memory::{Budget, Growth};
 
 const HEAD: usize = 80;
 /// Where the first triangle begins.
@@ -24,7 +25,7 @@ pub(super) fn has_its_size(bytes: &[u8]) -> bool {
 }
 
 /// Reads the one solid.
-pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Contents, LoadError> {
+pub(super) fn read(path: &Path, bytes: &[u8], budget: &Budget) -> Result<Contents, LoadError> {
     let Some(count) = count(bytes) else { return Err(no_stl(path, bytes.len())) };
     let available = bytes.len() as u64;
     if size(count) > available || u64::from(count) > MAX_TRIANGLES {
@@ -32,9 +33,10 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Contents, LoadError> {
     }
     let triangles = || bytes[BODY..].chunks_exact(TRIANGLE).take(count as usize);
     let palette = Palette::of(&bytes[..HEAD], triangles().map(attribute));
-    let mut solid = Solid::new(String::new());
+    let (mut solid, mut growth) = (Solid::new(String::new()), Growth::new(budget));
     for triangle in triangles() {
         solid.add(corners(triangle), palette.color(attribute(triangle)));
+        growth.reach(1, solid.bytes()).map_err(LoadError::memory(path, "its triangles"))?;
     }
     let mut warnings = Vec::new();
     let behind = available - size(count);

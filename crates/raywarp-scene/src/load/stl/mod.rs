@@ -37,8 +37,8 @@ pub(super) fn read(path: &Path, sources: &mut Sources) -> Result<Scene, LoadErro
     check_encoding(path, &bytes)?;
     // Text begins with `solid`, but so do some binary files: the size of those tells.
     let contents = match !binary::has_its_size(&bytes) && ascii::is_text(&bytes) {
-        true => ascii::read(path, &bytes)?,
-        false => binary::read(path, &bytes)?,
+        true => ascii::read(path, &bytes, sources.budget())?,
+        false => binary::read(path, &bytes, sources.budget())?,
     };
     for (line, message) in contents.warnings {
         sources.warn(path, line, message)?;

@@ -12,6 +12,10 @@ pub(super) struct Solid {
     known: HashMap<(u64, u64, u64, u64), u32, FoldState>,
 }
 
+/// Of a triangle and its material, and of a vertex with its colour and its entry in the table.
+const TRIANGLE_BYTES: usize = 16;
+const VERTEX_BYTES: usize = 12 + 16 + 37;
+
 impl Solid {
     /// No triangle yet.
     pub fn new(name: String) -> Self {
@@ -34,6 +38,12 @@ impl Solid {
             mesh.colors.extend(color);
             mesh.positions.len() as u32 - 1
         })
+    }
+
+    /// About what it takes, with what finds vertices again.
+    #[inline]
+    pub fn bytes(&self) -> usize {
+        self.mesh.triangles.len() * TRIANGLE_BYTES + self.mesh.positions.len() * VERTEX_BYTES
     }
 
     /// The mesh, unless it has no triangle; one without a name gets the other.

@@ -1,6 +1,6 @@
 // The WebSocket: says hello, keeps trying, and tells apart why it was closed. See the server's `protocol`.
 
-import { forgetSecret, keepSecret, secret } from "./secret.js";
+import { forgetSecret, keepToken, secret, typedSecret } from "./secret.js";
 
 const PROTOCOL = 1;
 const TOKEN = 4001;
@@ -18,9 +18,8 @@ export class Link {
     this.on = on;
     this.wait = FIRST_WAIT;
     this.words = "";
-    this.token = secret();
     // An address that differs only behind the `#` does not load the page again.
-    addEventListener("hashchange", () => this.open(secret()));
+    addEventListener("hashchange", () => this.connect());
     this.connect();
   }
 
@@ -35,7 +34,7 @@ export class Link {
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       const [width, height] = this.on.size();
-      this.send({ type: "hello", protocol: PROTOCOL, token: this.token, width, height });
+      this.send({ type: "hello", protocol: PROTOCOL, ...secret(), width, height });
     };
     socket.onmessage = (message) => this.take(message.data);
     socket.onclose = (event) => this.closed(event);
@@ -64,6 +63,7 @@ export class Link {
   hello(message) {
     if (message.protocol !== PROTOCOL) return this.reload(message.protocol);
     sessionStorage.removeItem("raywarp-reloaded");
+    if (message.token) keepToken(message.token);
     this.greeted = true;
     this.wait = FIRST_WAIT;
     this.on.hello(message);
@@ -99,10 +99,9 @@ export class Link {
     this.timer = setTimeout(() => this.connect(), wait);
   }
 
-  /// Tries another token.
-  open(token) {
-    this.token = token;
-    keepSecret(token);
+  /// Tries another secret.
+  open(text) {
+    typedSecret(text);
     this.connect();
   }
 

@@ -42,9 +42,21 @@ function put(name, shown) {
 
 function follow(name, shown) {
   if (wanted[name] === shown) return;
+  // What the server shows by itself stays folded in a small window.
+  const folded = wanted[name] === null && small.matches;
   wanted[name] = shown;
-  toggle(name, shown);
+  if (folded) put(name, false);
+  else toggle(name, shown);
 }
+
+/// A window that becomes small folds what was open, and one that grows again unfolds it.
+let folded = small.matches ? ["status"] : [];
+small.addEventListener("change", () => {
+  const open = Object.keys(overlays).filter((name) => overlays[name]);
+  if (small.matches) open.forEach((name) => put(name, false));
+  else folded.forEach((name) => put(name, true));
+  folded = small.matches ? open : [];
+});
 
 /// Pixels of the screen under the canvas, within what the server sends.
 function size() {
