@@ -155,7 +155,7 @@ impl Structure {
         let (start, count) = (Instant::now(), plan.placements());
         let tree = plan.build(what.quality)?;
         let (counts, build_seconds) = (tree.stats(), start.elapsed().as_secs_f64());
-        let stats = TreeStats { bytes: counts.bytes, build_seconds, ..TreeStats::default() };
+        let stats = TreeStats { build_seconds, ..tree.tree_stats() };
         Ok((Built { tree: Tree::Instances(tree, count), what, stats, build_seconds, warning: None }, counts))
     }
 }
