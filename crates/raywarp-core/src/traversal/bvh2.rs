@@ -119,7 +119,7 @@ impl Structure for Bvh2 {
     fn nearest<const FIRST: bool>(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
         let mut nearest = NearestIndex::<FIRST>::of(self.triangles, ray, previous);
         walk(&Full::<ANY>::new(self, ray), self.triangles, ray, counter, &mut nearest);
-        nearest.resolve(ray)
+        nearest.resolve()
     }
 }
 

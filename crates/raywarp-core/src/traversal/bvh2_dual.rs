@@ -41,7 +41,7 @@ impl Structure for DualBvh2 {
     fn nearest<const ANY: bool>(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
         let mut nearest = NearestIndex::<ANY>::of(self.full.triangles, ray, previous);
         self.walk(ray, counter, &mut nearest);
-        nearest.resolve(ray)
+        nearest.resolve()
     }
 }
 

@@ -82,7 +82,7 @@ impl Structure for QuantizedBvh2 {
     fn nearest<const FIRST: bool>(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
         let mut nearest = NearestIndex::<FIRST>::of(self.triangles, ray, previous);
         walk(&OnGrid::new(self, ray), self.triangles, ray, counter, &mut nearest);
-        nearest.resolve(ray)
+        nearest.resolve()
     }
 }
 

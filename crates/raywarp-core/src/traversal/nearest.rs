@@ -1,7 +1,5 @@
-//! The nearest hit of a structure whose triangles lie in one array: what the loop keeps of it is a distance and an index.
-//!
-//! Weights and names are worked out once, behind the loop, where the same triangle gives the same numbers again: in the loop
-//! they would take registers that traversal needs.
+//! The nearest hit of a structure whose triangles lie in one array: the loop keeps its index there, and reads behind the loop by
+//! which instance and primitive it goes. In the loop those would take a register that traversal needs.
 
 use super::binary::LeafVisitor;
 use crate::ray::{Hit, Ray, MISS};
@@ -13,8 +11,10 @@ pub(super) struct NearestIndex<'a, const ANY: bool> {
     triangles: View<Triangle>,
     previous: &'a Hit,
     t_min: f32,
-    /// Distance of the best so far; at first the ray's end.
+    /// Distance and weights of the best so far; at first the ray's end.
     t: f32,
+    u: f32,
+    v: f32,
     /// Its place in the array; [`MISS`] for none.
     index: u32,
 }
@@ -23,17 +23,17 @@ impl<'a, const ANY: bool> NearestIndex<'a, ANY> {
     /// Of a ray that begins where hits after `previous` are.
     #[inline(always)]
     pub fn of(triangles: View<Triangle>, ray: &Ray, previous: &'a Hit) -> Self {
-        Self { triangles, previous, t_min: ray.t_min, t: ray.t_max, index: MISS }
+        Self { triangles, previous, t_min: ray.t_min, t: ray.t_max, u: 0.0, v: 0.0, index: MISS }
     }
 
     /// The hit, once the ray's way is over.
     #[inline(always)]
-    pub fn resolve(&self, ray: &Ray) -> Hit {
+    pub fn resolve(&self) -> Hit {
         if self.index == MISS {
             return Hit::NONE;
         }
-        // As it was found, so there is one.
-        self.triangles.load(self.index).intersect(&RayShear::new(ray)).unwrap_or(Hit::NONE)
+        let Triangle { primitive, instance, .. } = *self.triangles.item(self.index);
+        Hit { t: self.t, u: self.u, v: self.v, primitive, instance }
     }
 
     /// Whether a hit at the distance of the best one comes before it.
@@ -55,7 +55,7 @@ impl<const ANY: bool> LeafVisitor for NearestIndex<'_, ANY> {
         triangle.if_hit(shear, |hit| {
             let nearer = hit.t < self.t || (hit.t == self.t && self.wins_tie(&hit));
             if hit.t >= self.t_min && nearer && (ANY || self.previous.precedes(&hit)) {
-                (self.t, self.index) = (hit.t, index);
+                (self.t, self.u, self.v, self.index) = (hit.t, hit.u, hit.v, index);
             }
         });
         self.t
