@@ -2,6 +2,7 @@
 
 use raywarp::accel::AccelKind;
 use raywarp::device::{Device, DeviceChoice};
+use raywarp::query::Levels;
 use raywarp::render::{Report, Tracer};
 use raywarp::scene::{Material, Scene};
 use serde::Serialize;
@@ -68,10 +69,16 @@ pub fn run(options: &InfoOptions) -> Result<()> {
     let loaded = read(options.scene.as_deref(), options.strict, &mut to_standard_output()?)?;
     let scene = &loaded.scene;
     let cpu = Device::open(DeviceChoice::Cpu)?;
-    let report = |accel| Tracer::new(scene, accel, &cpu).map(|tracer| tracer.report().clone());
-    let (brute, kd, bvh) = (report(AccelKind::Brute)?, report(AccelKind::Kd)?, report(AccelKind::Bvh2)?);
+    // Of instances there is one hierarchy whatever the structure of the meshes.
+    let kinds: &[AccelKind] = match Levels::Auto.are_two(scene) {
+        true => &[AccelKind::Bvh2],
+        false => &[AccelKind::Brute, AccelKind::Kd, AccelKind::Bvh2],
+    };
+    let report = |&kind: &AccelKind| Tracer::new(scene, kind, &cpu).map(|tracer| (kind, tracer.report().clone()));
+    let reports = kinds.iter().map(report).collect::<Result<Vec<_>, _>>()?;
+    let bvh = &reports[reports.len() - 1].1;
     let info = Info {
-        scene: SceneCounts::new(scene, &bvh),
+        scene: SceneCounts::new(scene, bvh),
         instances: scene.instances.iter().map(|instance| instance.name.clone()).collect(),
         materials: scene.materials.iter().map(MaterialInfo::from).collect(),
         images: scene.images.iter().map(|i| ImageInfo { name: i.name.clone(), size: [i.width, i.height] }).collect(),
@@ -80,13 +87,9 @@ pub fn run(options: &InfoOptions) -> Result<()> {
         lights: scene.lights.iter().map(|light| light.name.clone()).collect(),
         render: scene.render.to_string(),
         memory: memory(scene),
-        trees: vec![
-            TreeInfo::new(AccelKind::Brute, &brute),
-            TreeInfo::new(AccelKind::Kd, &kd),
-            TreeInfo::new(AccelKind::Bvh2, &bvh),
-        ],
+        trees: reports.iter().map(|(kind, report)| TreeInfo::new(*kind, report)).collect(),
         warnings: loaded.warnings.iter().map(ToString::to_string).collect(),
-        notes: loaded.notes.iter().map(ToString::to_string).chain(bvh.notes).collect(),
+        notes: loaded.notes.iter().map(ToString::to_string).chain(bvh.notes.clone()).collect(),
     };
     messages::results(&info, options.json, || info.text())?;
     messages::warnings(&loaded.warnings);

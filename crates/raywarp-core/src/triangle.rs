@@ -118,12 +118,6 @@ impl Triangle {
         arch::max(arch::max(edges[0].max_abs(), edges[1].max_abs()), edges[2].max_abs())
     }
 
-    /// Whether a hit of this one counts before a hit of `other` at the same distance, see [`Hit::precedes`].
-    #[inline(always)]
-    pub fn precedes(&self, other: &Self) -> bool {
-        (self.instance, self.primitive) < (other.instance, other.primitive)
-    }
-
     /// Low and high corner of the box around every point where a ray may be found to hit the triangle; finite, whatever
     /// the triangle.
     ///

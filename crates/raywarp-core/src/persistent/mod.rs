@@ -101,9 +101,11 @@ impl<Q: Query> Persistent<Q> {
                     })
                     .map_or(f32::INFINITY, |hit| hit.t);
                 let first = leaf.map_or(0, Child::index);
-                share.collect(t, |t, nth| {
-                    search.hit::<Q>(t, first + nth, |a, b| triangles.load(a).precedes(&triangles.load(b)))
-                });
+                let id = |triangle| {
+                    let triangle = triangles.item(triangle);
+                    (triangle.instance, triangle.primitive)
+                };
+                share.collect(t, |t, nth| search.hit::<Q>(t, first + nth, |a, b| id(a) < id(b)));
                 search.after_leaf::<Q>(leaf, leaf.and_then(|leaf| share.rest(leaf)));
             }
         }

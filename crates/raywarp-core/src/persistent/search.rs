@@ -98,7 +98,7 @@ impl<'a> Search<'a> {
     #[inline(always)]
     fn visit<Q: Query>(&mut self) {
         let [a, b] = self.boxes.children(self.next, self.t_min, self.t_far);
-        self.next = step::<Q>(&mut self.links, a, b);
+        self.next = step(&mut self.links, Q::ORDERED, a, b);
     }
 
     /// A triangle is hit at `t`; `before` says whether it comes before another one at the same distance.

@@ -67,10 +67,10 @@ pub type Storage = [MaybeUninit<u32>; MAX_DEPTH + 1];
 
 /// From a node's children to the next link.
 #[inline(always)]
-pub fn step<V: Visitor>(links: &mut Aside, a: Meeting, b: Meeting) -> u32 {
+pub fn step(links: &mut Aside, ordered: bool, a: Meeting, b: Meeting) -> u32 {
     // SAFETY: see `Aside`.
     unsafe {
-        if V::ORDERED {
+        if ordered {
             links.descend(a, b)
         } else {
             links.descend_either(a, b)
@@ -83,10 +83,10 @@ pub fn step<V: Visitor>(links: &mut Aside, a: Meeting, b: Meeting) -> u32 {
 /// # Safety
 /// The end was not reached before.
 #[inline(always)]
-pub unsafe fn step_back<V: Visitor>(links: &mut Aside) -> u32 {
+pub unsafe fn step_back(links: &mut Aside, ordered: bool) -> u32 {
     // SAFETY: the caller's promise.
     unsafe {
-        if V::ORDERED {
+        if ordered {
             links.pop()
         } else {
             links.pop_either()
@@ -94,9 +94,30 @@ pub unsafe fn step_back<V: Visitor>(links: &mut Aside) -> u32 {
     }
 }
 
+/// Who looks at the triangles of leaves that lie in one array: a [`Visitor`], or one that keeps indices.
+pub(super) trait LeafVisitor {
+    /// As of a [`Visitor`].
+    const ORDERED: bool;
+    /// As of a [`Visitor`].
+    const ENDS: bool;
+
+    /// As [`Visitor::visit`], with the triangle's place in the array.
+    fn visit_at(&mut self, index: u32, shear: &RayShear, triangle: &Triangle) -> f32;
+}
+
+impl<V: Visitor> LeafVisitor for V {
+    const ORDERED: bool = V::ORDERED;
+    const ENDS: bool = V::ENDS;
+
+    #[inline(always)]
+    fn visit_at(&mut self, _: u32, shear: &RayShear, triangle: &Triangle) -> f32 {
+        self.visit(shear, triangle)
+    }
+}
+
 /// Shows the visitor what lies in the boxes that the ray meets, in the order that it asks for.
 #[inline(always)]
-pub fn walk<V: Visitor>(
+pub(super) fn walk<V: LeafVisitor>(
     boxes: &impl Boxes,
     triangles: View<Triangle>,
     ray: &Ray,
@@ -119,7 +140,7 @@ pub fn walk<V: Visitor>(
         let end = index + leaf.count();
         loop {
             counter.triangle();
-            t_far = visitor.visit(&shear, &triangles.load(index));
+            t_far = visitor.visit_at(index, &shear, &triangles.load(index));
             if V::ENDS && t_far < ray.t_min {
                 return;
             }
@@ -129,7 +150,7 @@ pub fn walk<V: Visitor>(
             }
         }
         // SAFETY: `END` ends this loop.
-        next = unsafe { step_back::<V>(&mut links) };
+        next = unsafe { step_back(&mut links, V::ORDERED) };
         next = descend::<V>(boxes, next, ray.t_min, t_far, &mut links, counter);
         if next == Aside::END {
             return;
@@ -139,7 +160,7 @@ pub fn walk<V: Visitor>(
 
 /// From a link on to the first that is no node.
 #[inline(always)]
-fn descend<V: Visitor>(
+fn descend<V: LeafVisitor>(
     boxes: &impl Boxes,
     mut next: u32,
     t_min: f32,
@@ -150,7 +171,7 @@ fn descend<V: Visitor>(
     while next < LEAVES {
         counter.node();
         let [a, b] = boxes.children(next, t_min, t_far);
-        next = step::<V>(links, a, b);
+        next = step(links, V::ORDERED, a, b);
     }
     next
 }

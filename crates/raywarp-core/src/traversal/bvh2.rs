@@ -1,10 +1,11 @@
 //! A binary bounding volume hierarchy with both child boxes in the parent (after Aila and Laine 2009).
 
 use super::binary::{walk, Boxes, Slab};
+use super::nearest::NearestIndex;
 use super::{Counter, Structure, Visitor, WorldSpace};
 use crate::arch::{self, Meeting};
 use crate::math::Vec3;
-use crate::ray::Ray;
+use crate::ray::{Hit, Ray};
 use crate::triangle::Triangle;
 use crate::view::View;
 
@@ -112,6 +113,13 @@ impl Structure for Bvh2 {
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         walk(&Full::<ANY>::new(self, ray), self.triangles, ray, counter, visitor);
+    }
+
+    #[inline(always)]
+    fn nearest<const FIRST: bool>(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
+        let mut nearest = NearestIndex::<FIRST>::of(self.triangles, ray, previous);
+        walk(&Full::<ANY>::new(self, ray), self.triangles, ray, counter, &mut nearest);
+        nearest.resolve()
     }
 }
 

@@ -1,11 +1,12 @@
 //! Two layouts of one tree, each for the rays that it suits.
 
-use super::binary::walk;
+use super::binary::{walk, LeafVisitor};
 use super::bvh2::{Bvh2, Full};
-use super::bvh2_quantized::QuantizedBvh2;
+use super::bvh2_quantized::{OnGrid, QuantizedBvh2};
+use super::nearest::NearestIndex;
 use super::{Counter, Structure, Visitor, WorldSpace};
 use crate::arch;
-use crate::ray::Ray;
+use crate::ray::{Hit, Ray};
 
 /// Where all rays of a warp run in the same octant the full nodes are walked, by a loop that is compiled for the octant
 /// and has nothing to select; other warps walk the compact nodes.
@@ -33,11 +34,25 @@ impl Structure for DualBvh2 {
 
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
+        self.walk(ray, counter, visitor);
+    }
+
+    #[inline(always)]
+    fn nearest<const ANY: bool>(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
+        let mut nearest = NearestIndex::<ANY>::of(self.full.triangles, ray, previous);
+        self.walk(ray, counter, &mut nearest);
+        nearest.resolve()
+    }
+}
+
+impl DualBvh2 {
+    #[inline(always)]
+    fn walk(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl LeafVisitor) {
         let octant = octant(ray);
-        if !arch::uniform(octant) {
-            return self.quantized.traverse(ray, counter, visitor);
-        }
         let triangles = self.full.triangles;
+        if !arch::uniform(octant) {
+            return walk(&OnGrid::new(&self.quantized, ray), triangles, ray, counter, visitor);
+        }
         match octant {
             0 => walk(&Full::<0>::new(&self.full, ray), triangles, ray, counter, visitor),
             1 => walk(&Full::<1>::new(&self.full, ray), triangles, ray, counter, visitor),

@@ -6,10 +6,11 @@
 
 use super::binary::{meeting, walk, Boxes, Slab};
 use super::bvh2::Child;
+use super::nearest::NearestIndex;
 use super::{Counter, Structure, Visitor, WorldSpace};
 use crate::arch::{self, Meeting};
 use crate::math::Vec3;
-use crate::ray::Ray;
+use crate::ray::{Hit, Ray};
 use crate::triangle::Triangle;
 use crate::view::View;
 
@@ -75,6 +76,13 @@ impl Structure for QuantizedBvh2 {
     #[inline(always)]
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor) {
         walk(&OnGrid::new(self, ray), self.triangles, ray, counter, visitor);
+    }
+
+    #[inline(always)]
+    fn nearest<const FIRST: bool>(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
+        let mut nearest = NearestIndex::<FIRST>::of(self.triangles, ray, previous);
+        walk(&OnGrid::new(self, ray), self.triangles, ray, counter, &mut nearest);
+        nearest.resolve()
     }
 }
 

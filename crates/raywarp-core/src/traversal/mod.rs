@@ -13,6 +13,7 @@ pub mod bvh2_quantized;
 pub mod bvh8f;
 pub mod instances;
 pub mod kdtree;
+mod nearest;
 pub mod query;
 mod slabs;
 pub mod two_level;
@@ -44,6 +45,18 @@ pub trait Structure: Copy + Send + Sync {
     /// Shows `visitor` each triangle that the ray might meet between its `t_min` and the distance that the last
     /// call returned, at first its `t_max`. A triangle may come more than once.
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor);
+
+    /// The first hit of a ray that comes after `previous`, behind which the ray begins; with `ANY` the first of all.
+    #[inline(always)]
+    fn nearest<const ANY: bool>(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
+        let mut nearest = Nearest::<ANY>::of(ray, previous);
+        self.traverse(ray, counter, &mut nearest);
+        if nearest.best.is_miss() {
+            Hit::NONE
+        } else {
+            nearest.best
+        }
+    }
 }
 
 /// In which space the triangles of hits are, as shading finds them by instance and primitive.
@@ -194,39 +207,34 @@ impl RecordedStatistics for Tests {
 pub fn closest(structure: &impl Structure, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
     counter.ray();
     let ray = ray.after(previous);
-    let mut nearest = Nearest::of(&ray, previous);
     counter.stage(Stage::Intersection);
-    structure.traverse(&ray, counter, &mut nearest);
+    let hit = structure.nearest::<false>(&ray, previous, counter);
     counter.stage(Stage::Shading);
-    if nearest.best.is_miss() {
-        Hit::NONE
-    } else {
-        nearest.best
-    }
+    hit
 }
 
-/// Keeps the first hit after another.
-pub(crate) struct Nearest<'a> {
+/// Keeps the first hit after another; with `ANY` after none.
+struct Nearest<'a, const ANY: bool> {
     previous: &'a Hit,
     t_min: f32,
-    pub best: Hit,
+    best: Hit,
 }
 
-impl<'a> Nearest<'a> {
+impl<'a, const ANY: bool> Nearest<'a, ANY> {
     /// Of a ray that begins where hits after `previous` are.
     #[inline(always)]
-    pub fn of(ray: &Ray, previous: &'a Hit) -> Self {
+    fn of(ray: &Ray, previous: &'a Hit) -> Self {
         Self { previous, t_min: ray.t_min, best: Hit { t: ray.t_max, ..Hit::NONE } }
     }
 }
 
-impl Visitor for Nearest<'_> {
+impl<const ANY: bool> Visitor for Nearest<'_, ANY> {
     const ENDS: bool = false;
 
     #[inline(always)]
     fn visit(&mut self, shear: &RayShear, triangle: &Triangle) -> f32 {
         triangle.if_hit(shear, |hit| {
-            if hit.t >= self.t_min && hit.precedes(&self.best) && self.previous.precedes(&hit) {
+            if hit.t >= self.t_min && hit.precedes(&self.best) && (ANY || self.previous.precedes(&hit)) {
                 self.best = hit;
             }
         });

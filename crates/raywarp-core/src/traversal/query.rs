@@ -1,12 +1,12 @@
 //! What is asked of a ray.
 
-use super::{NullStatistics, Structure, Visitor, ENOUGH};
+use super::{NullStatistics, Structure, Visitor, ENOUGH, START};
 use crate::ray::{Hit, HitArrays, Ray};
 use crate::triangle::{RayShear, Triangle};
 use crate::view::ViewMut;
 
 /// A question about one ray, while it is being answered. Every triangle counts as opaque.
-pub trait Query: Visitor {
+pub trait Query: Visitor + Sized {
     /// One a ray.
     type Answer: Copy + Send + Sync;
     /// Where the answers of a batch go.
@@ -15,6 +15,13 @@ pub trait Query: Visitor {
     fn about(ray: &Ray) -> Self;
     /// What the triangles seen so far say.
     fn answer(&self) -> Self::Answer;
+    /// Asks a structure.
+    #[inline(always)]
+    fn search(structure: &impl Structure, ray: &Ray) -> Self::Answer {
+        let mut query = Self::about(ray);
+        structure.traverse(ray, &mut NullStatistics, &mut query);
+        query.answer()
+    }
     /// What a hit says that is found some other way: the first one, or where the visitor is not
     /// [`ORDERED`](Visitor::ORDERED) any one.
     fn from_hit(hit: Hit) -> Self::Answer;
@@ -28,9 +35,7 @@ pub trait Query: Visitor {
 /// The answer about a ray.
 #[inline(always)]
 pub fn query<Q: Query>(structure: &impl Structure, ray: &Ray) -> Q::Answer {
-    let mut query = Q::about(ray);
-    structure.traverse(ray, &mut NullStatistics, &mut query);
-    query.answer()
+    Q::search(structure, ray)
 }
 
 /// The first hit.
@@ -69,6 +74,11 @@ impl Query for ClosestHit {
         } else {
             self.best
         }
+    }
+
+    #[inline(always)]
+    fn search(structure: &impl Structure, ray: &Ray) -> Hit {
+        structure.nearest::<true>(ray, &START, &mut NullStatistics)
     }
 
     #[inline(always)]

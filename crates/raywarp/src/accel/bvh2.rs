@@ -78,20 +78,7 @@ impl Bvh2 {
             build_seconds: self.build_seconds,
             ..TreeStats::default()
         };
-        let root = self.bounds();
-        let mut open = vec![(0, 0, 1.0)];
-        while let Some((index, above, area)) = open.pop() {
-            let Some(node) = self.nodes.get(index as usize) else { continue };
-            stats.inner(above, area);
-            for side in children_of(node) {
-                let (child, area) = (node.children[side], child_box(node, side).area_within(&root));
-                if child.is_leaf() {
-                    stats.leaf(child.count() as usize, area);
-                } else {
-                    open.push((child.index(), above + 1, area));
-                }
-            }
-        }
+        stats.add_nodes(&self.nodes, 0, |stats, leaf, _, area| stats.leaf(leaf.count() as usize, area));
         stats.duplicates = self.duplicates();
         stats
     }
@@ -122,6 +109,28 @@ impl Bvh2 {
         walk.node(&Way { node: 0, inside: EVERYWHERE, before: None }, 0)?;
         walk.everything_covered()?;
         walk.everything_reached()
+    }
+}
+
+impl TreeStats {
+    /// Adds the inner nodes below a root, and what `leaf` makes of a leaf with so many of them above it, whose box has an area
+    /// in units of the root's.
+    pub(super) fn add_nodes(&mut self, nodes: &[Node], root: u32, leaf: impl Fn(&mut Self, Child, usize, f64)) {
+        let Some(top) = nodes.get(root as usize) else { return };
+        let bounds = children_of(top).fold(Bounds::EMPTY, |all, side| all.join(&child_box(top, side)));
+        let mut open = vec![(root, 0, 1.0)];
+        while let Some((index, above, area)) = open.pop() {
+            let Some(node) = nodes.get(index as usize) else { continue };
+            self.inner(above, area);
+            for side in children_of(node) {
+                let (child, area) = (node.children[side], child_box(node, side).area_within(&bounds));
+                if child.is_leaf() {
+                    leaf(self, child, above + 1, area);
+                } else {
+                    open.push((child.index(), above + 1, area));
+                }
+            }
+        }
     }
 }
 

@@ -102,11 +102,7 @@ pub struct Report {
 impl Report {
     fn of_instanced(tree: &TwoLevel) -> Self {
         let stats = tree.stats();
-        Self {
-            triangles: stats.seen as usize,
-            tree: TreeStats { bytes: stats.bytes, ..TreeStats::default() },
-            ..Self::default()
-        }
+        Self { triangles: stats.seen as usize, tree: tree.tree_stats(), ..Self::default() }
     }
 }
 

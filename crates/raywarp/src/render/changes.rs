@@ -92,12 +92,12 @@ impl Tracer {
     /// [`RenderError`] for an instance that the scene does not have, or where the device fails.
     pub fn move_instance(&mut self, scene: &Scene, instances: &[Instance], index: usize) -> Result<bool, RenderError> {
         let missing = || RenderError::Scene { mesh: format!("instance {index}"), part: "the index" };
+        if self.structure.has_instances() {
+            return self.set_transforms(instances, &[index]);
+        }
         let instance = instances.get(index).ok_or_else(missing)?;
         let vertices = self.vertices.get(index).ok_or_else(missing)?.clone();
         let mesh = flatten::check_instance(scene, instance)?;
-        if self.structure.has_instances() {
-            return self.set_transform(index, instance);
-        }
         if mesh.positions.len() != vertices.len() {
             return Err(RenderError::Scene { mesh: format!("instance {index}"), part: "the number of vertices" });
         }
@@ -115,14 +115,40 @@ impl Tracer {
         self.reshape([index as u32, index as u32 + 1])
     }
 
-    /// The same over instances.
-    fn set_transform(&mut self, index: usize, instance: &Instance) -> Result<bool, RenderError> {
-        if !self.structure.set_transform(index, &instance.transform)? {
+    /// The same of several: where meshes are placed by instances, the tree over them is made anew once.
+    ///
+    /// # Errors
+    /// As for [`move_instance`](Self::move_instance).
+    pub fn move_instances(
+        &mut self,
+        scene: &Scene,
+        instances: &[Instance],
+        moved: &[usize],
+    ) -> Result<bool, RenderError> {
+        if self.structure.has_instances() {
+            return self.set_transforms(instances, moved);
+        }
+        for &index in moved {
+            if !self.move_instance(scene, instances, index)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn set_transforms(&mut self, instances: &[Instance], moved: &[usize]) -> Result<bool, RenderError> {
+        let known = self.instances.len().min(instances.len());
+        if let Some(index) = moved.iter().find(|&&index| index >= known) {
+            return Err(RenderError::Scene { mesh: format!("instance {index}"), part: "the index" });
+        }
+        if !self.structure.set_transforms(moved.iter().map(|&index| (index, &instances[index].transform)))? {
             return Ok(false);
         }
-        let placed = &mut self.instances[index];
-        *placed = flatten::placed(instance, placed.first_primitive);
-        self.scene.set_instance(index, *placed)?;
+        for &index in moved {
+            let placed = &mut self.instances[index];
+            *placed = flatten::placed(&instances[index], placed.first_primitive);
+        }
+        self.scene.set_instances(&self.instances)?;
         Ok(true)
     }
 

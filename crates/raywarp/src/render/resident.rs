@@ -85,6 +85,11 @@ impl ResidentScene {
         self.instances.write(index, &[instance])
     }
 
+    /// The same of all.
+    pub fn set_instances(&mut self, instances: &[Instance]) -> Result<(), DeviceError> {
+        self.instances.write(0, instances)
+    }
+
     pub fn instances(&self) -> View<Instance> {
         self.instances.view()
     }

@@ -102,11 +102,16 @@ impl Structure {
         self.upper.is_some()
     }
 
-    /// Puts an instance elsewhere. Returns whether that is all: `false` if it is or would have to be in world space.
-    pub(super) fn set_transform(&mut self, instance: usize, transform: &Transform) -> Result<bool, RenderError> {
+    /// Puts instances elsewhere. Returns whether that is all: `false` if one is or would have to be in world space.
+    pub(super) fn set_transforms<'a>(
+        &mut self,
+        moved: impl IntoIterator<Item = (usize, &'a Transform)>,
+    ) -> Result<bool, RenderError> {
         let Some(upper) = &mut self.upper else { return Ok(false) };
-        if upper.set_transform(instance, transform).is_none() {
-            return Ok(false);
+        for (instance, transform) in moved {
+            if upper.set_transform(instance, transform).is_none() {
+                return Ok(false);
+            }
         }
         let resident: &mut dyn Any = &mut *self.resident;
         if let Some(tree) = resident.downcast_mut::<ResidentTwoLevel>() {
@@ -155,7 +160,7 @@ impl Structure {
         let (start, count) = (Instant::now(), plan.placements());
         let tree = plan.build(what.quality)?;
         let (counts, build_seconds) = (tree.stats(), start.elapsed().as_secs_f64());
-        let stats = TreeStats { bytes: counts.bytes, build_seconds, ..TreeStats::default() };
+        let stats = TreeStats { build_seconds, ..tree.tree_stats() };
         Ok((Built { tree: Tree::Instances(tree, count), what, stats, build_seconds, warning: None }, counts))
     }
 }

@@ -168,9 +168,8 @@ fn an_instance_that_moves_looks_as_if_it_had_been_there() {
     for kind in [AccelKind::Bvh, AccelKind::Brute, AccelKind::Kd] {
         let mut tracer = Tracer::with_levels(&original, Levels::Two, kind, &device()).unwrap();
         assert!(tracer.structure().has_instances());
-        for index in (1..40).step_by(3) {
-            assert!(tracer.move_instance(&original, &moved.instances, index).unwrap(), "{index}");
-        }
+        let indices: Vec<usize> = (1..40).step_by(3).collect();
+        assert!(tracer.move_instances(&original, &moved.instances, &indices).unwrap());
         let fresh = Tracer::with_levels(&moved, Levels::Two, kind, &device()).unwrap();
         let options = RenderOptions { size: [96, 64], ..RenderOptions::default() };
         let camera = framing(fresh.report().bounds);

@@ -90,7 +90,7 @@ impl<'a, Q: Query> Search<'a, Q> {
     pub fn visit(&mut self, counter: &mut impl Counter) {
         counter.node();
         let [a, b] = self.boxes.children(self.next, self.t_min, self.t_far);
-        self.next = step::<Q>(&mut self.links, a, b);
+        self.next = step(&mut self.links, Q::ORDERED, a, b);
     }
 
     /// Puts the leaf that is next off, and goes on with what comes after it.
@@ -98,7 +98,7 @@ impl<'a, Q: Query> Search<'a, Q> {
     pub fn hold(&mut self) {
         self.held = self.next;
         // SAFETY: a leaf is not the bottom of the stack, which so was not popped.
-        self.next = unsafe { step_back::<Q>(&mut self.links) };
+        self.next = unsafe { step_back(&mut self.links, Q::ORDERED) };
     }
 
     /// Tests all triangles of the leaf that is next.

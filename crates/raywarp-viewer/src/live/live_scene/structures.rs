@@ -160,14 +160,13 @@ impl LiveScene {
             return Ok(());
         }
         let instances = &ready.edits.scene().instances;
-        for index in std::mem::take(&mut self.motion.pending) {
-            if !ready.tracer.move_instance(&ready.scene, instances, index)? {
-                // It has to be in world space now, or no longer: everything is made anew.
-                self.reload();
-                return Ok(());
-            }
-            ready.placed[index].clone_from(&instances[index]);
+        let moved: Vec<usize> = std::mem::take(&mut self.motion.pending).into_iter().collect();
+        if !ready.tracer.move_instances(&ready.scene, instances, &moved)? {
+            // Something has to be in world space now, or no longer: everything is made anew.
+            self.reload();
+            return Ok(());
         }
+        moved.into_iter().for_each(|index| ready.placed[index].clone_from(&instances[index]));
         (self.motion.refitted, self.edition, self.trees) = (!is_instanced, self.edition + 1, self.trees + 1);
         Ok(())
     }

@@ -24,7 +24,7 @@ use raywarp_core::triangle::Triangle;
 
 use super::kdtree::KdTree;
 use super::view::{lend, Borrowed};
-use super::{kdtree_median, BuildError, Dropped};
+use super::{kdtree_median, BuildError, Dropped, TreeStats};
 use crate::scene::Transform;
 
 pub use build::{build, Plan};
@@ -128,6 +128,32 @@ impl TwoLevel {
     /// Size of it all.
     pub fn stats(&self) -> InstancedStats {
         self.stats
+    }
+
+    /// Size and quality as of one tree: a ray goes on from an instance's leaf to the mesh's tree.
+    pub fn tree_stats(&self) -> TreeStats {
+        let mesh = |part: &Part| {
+            let mut stats = TreeStats::default();
+            stats.add_nodes(&self.nodes, part.node, |stats, leaf, _, area| stats.leaf(leaf.count() as usize, area));
+            stats
+        };
+        let meshes: Vec<TreeStats> = self.parts.iter().map(mesh).collect();
+        let mut all = TreeStats {
+            nodes: self.nodes.len(),
+            leaves: meshes.iter().map(|mesh| mesh.leaves).sum(),
+            references: self.triangles.len(),
+            largest_leaf: meshes.iter().map(|mesh| mesh.largest_leaf).max().unwrap_or(0),
+            bytes: self.stats.bytes,
+            build_seconds: self.stats.build_seconds,
+            ..TreeStats::default()
+        };
+        all.add_nodes(&self.nodes, 0, |all, leaf, above, area| {
+            let instance = self.instances.get(leaf.index() as usize);
+            let Some(mesh) = instance.and_then(|instance| meshes.get(self.part_of(instance) as usize)) else { return };
+            all.depth = all.depth.max(above + mesh.depth);
+            all.sah_cost += area * mesh.sah_cost;
+        });
+        all
     }
 
     /// For tracing on this machine.
