@@ -24,7 +24,7 @@ const TRACING: Bounds = Bounds { registers: 64, ..ANY_BLOCK };
 const OCTANTS: Bounds = Bounds { registers: 72, ..ANY_BLOCK };
 
 /// Half of what a ray needs is in shared memory: more threads fit where only any hit is looked for.
-const POOLED: Bounds = Bounds { registers: 56, ..DEFAULT };
+const PERSISTENT: Bounds = Bounds { registers: 56, ..DEFAULT };
 
 /// The first row whose first column begins a kernel's name holds; [`DEFAULT`] where none does.
 /// Tune here, run `cargo xtask ptx`, and read the effect in `docs/kernels.md`.
@@ -32,8 +32,9 @@ const TABLE: &[(&str, Bounds)] = &[
     ("whitted_brute", Bounds { registers: 64, ..ANY_BLOCK }),
     ("whitted_kd", Bounds { registers: 72, ..ANY_BLOCK }),
     ("whitted_bvh2", Bounds { registers: 128, ..ANY_BLOCK }),
-    ("closest_bvh_pooled", Bounds { registers: 64, ..DEFAULT }),
-    ("occluded_bvh_pooled", POOLED),
+    ("whitted_two_level", Bounds { registers: 128, ..ANY_BLOCK }),
+    ("closest_bvh_persistent", Bounds { registers: 64, ..DEFAULT }),
+    ("occluded_bvh_persistent", PERSISTENT),
     ("closest_bvh2", TRACING),
     ("closest_bvh4", TRACING),
     ("closest_bvh8", TRACING),
@@ -68,4 +69,19 @@ pub fn directives(kernel: &str) -> String {
         text += &format!(".maxnreg {registers}\n");
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A kernel that was called otherwise would silently get the bounds of another row.
+    #[test]
+    fn every_row_is_the_first_that_some_kernel_meets() {
+        let kernels = || raywarp_core::kernels::NAMES.iter().chain(raywarp_lab_core::kernels::NAMES);
+        for (row, (start, _)) in TABLE.iter().enumerate() {
+            let first = |kernel: &&&str| TABLE.iter().position(|(start, _)| kernel.starts_with(start)) == Some(row);
+            assert!(kernels().any(|kernel| first(&kernel)), "no kernel begins with {start}");
+        }
+    }
 }

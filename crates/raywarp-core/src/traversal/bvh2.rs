@@ -2,7 +2,7 @@
 
 use super::binary::{walk, Boxes, Slab};
 use super::nearest::NearestIndex;
-use super::{Counter, Structure, Visitor, WorldSpace};
+use super::{Counter, NullStatistics, Structure, Visitor, WorldSpace};
 use crate::arch::{self, Meeting};
 use crate::math::Vec3;
 use crate::ray::{Hit, Ray};
@@ -116,9 +116,9 @@ impl Structure for Bvh2 {
     }
 
     #[inline(always)]
-    fn nearest<const FIRST: bool>(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
-        let mut nearest = NearestIndex::<FIRST>::of(self.triangles, ray, previous);
-        walk(&Full::<ANY>::new(self, ray), self.triangles, ray, counter, &mut nearest);
+    fn nearest(&self, ray: &Ray) -> Hit {
+        let mut nearest = NearestIndex::of(self.triangles, ray);
+        walk(&Full::<ANY>::new(self, ray), self.triangles, ray, &mut NullStatistics, &mut nearest);
         nearest.resolve()
     }
 }

@@ -4,7 +4,7 @@ use super::binary::{walk, LeafVisitor};
 use super::bvh2::{Bvh2, Full};
 use super::bvh2_quantized::{OnGrid, QuantizedBvh2};
 use super::nearest::NearestIndex;
-use super::{Counter, Structure, Visitor, WorldSpace};
+use super::{Counter, NullStatistics, Structure, Visitor, WorldSpace};
 use crate::arch;
 use crate::ray::{Hit, Ray};
 
@@ -38,9 +38,9 @@ impl Structure for DualBvh2 {
     }
 
     #[inline(always)]
-    fn nearest<const ANY: bool>(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
-        let mut nearest = NearestIndex::<ANY>::of(self.full.triangles, ray, previous);
-        self.walk(ray, counter, &mut nearest);
+    fn nearest(&self, ray: &Ray) -> Hit {
+        let mut nearest = NearestIndex::of(self.full.triangles, ray);
+        self.walk(ray, &mut NullStatistics, &mut nearest);
         nearest.resolve()
     }
 }

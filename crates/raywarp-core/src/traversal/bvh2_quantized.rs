@@ -7,7 +7,7 @@
 use super::binary::{meeting, walk, Boxes, Slab};
 use super::bvh2::Child;
 use super::nearest::NearestIndex;
-use super::{Counter, Structure, Visitor, WorldSpace};
+use super::{Counter, NullStatistics, Structure, Visitor, WorldSpace};
 use crate::arch::{self, Meeting};
 use crate::math::Vec3;
 use crate::ray::{Hit, Ray};
@@ -79,9 +79,9 @@ impl Structure for QuantizedBvh2 {
     }
 
     #[inline(always)]
-    fn nearest<const FIRST: bool>(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
-        let mut nearest = NearestIndex::<FIRST>::of(self.triangles, ray, previous);
-        walk(&OnGrid::new(self, ray), self.triangles, ray, counter, &mut nearest);
+    fn nearest(&self, ray: &Ray) -> Hit {
+        let mut nearest = NearestIndex::of(self.triangles, ray);
+        walk(&OnGrid::new(self, ray), self.triangles, ray, &mut NullStatistics, &mut nearest);
         nearest.resolve()
     }
 }

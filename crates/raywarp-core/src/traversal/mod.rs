@@ -29,6 +29,7 @@ pub use bvh2_quantized::QuantizedBvh2;
 pub use bvh8f::Bvh8f;
 pub use instances::{Instances, MeshStructure};
 pub use kdtree::KdTree;
+use query::{ClosestHit, Query};
 pub use two_level::TwoLevel;
 
 /// Answer of a visitor that has seen enough: no distance is left.
@@ -46,16 +47,12 @@ pub trait Structure: Copy + Send + Sync {
     /// call returned, at first its `t_max`. A triangle may come more than once.
     fn traverse(&self, ray: &Ray, counter: &mut impl Counter, visitor: &mut impl Visitor);
 
-    /// The first hit of a ray that comes after `previous`, behind which the ray begins; with `ANY` the first of all.
+    /// The first hit of a ray.
     #[inline(always)]
-    fn nearest<const ANY: bool>(&self, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
-        let mut nearest = Nearest::<ANY>::of(ray, previous);
-        self.traverse(ray, counter, &mut nearest);
-        if nearest.best.is_miss() {
-            Hit::NONE
-        } else {
-            nearest.best
-        }
+    fn nearest(&self, ray: &Ray) -> Hit {
+        let mut query = ClosestHit::about(ray);
+        self.traverse(ray, &mut NullStatistics, &mut query);
+        query.answer()
     }
 }
 
@@ -207,20 +204,25 @@ impl RecordedStatistics for Tests {
 pub fn closest(structure: &impl Structure, ray: &Ray, previous: &Hit, counter: &mut impl Counter) -> Hit {
     counter.ray();
     let ray = ray.after(previous);
+    let mut nearest = Nearest::of(&ray, previous);
     counter.stage(Stage::Intersection);
-    let hit = structure.nearest::<false>(&ray, previous, counter);
+    structure.traverse(&ray, counter, &mut nearest);
     counter.stage(Stage::Shading);
-    hit
+    if nearest.best.is_miss() {
+        Hit::NONE
+    } else {
+        nearest.best
+    }
 }
 
-/// Keeps the first hit after another; with `ANY` after none.
-struct Nearest<'a, const ANY: bool> {
+/// Keeps the first hit after another.
+struct Nearest<'a> {
     previous: &'a Hit,
     t_min: f32,
     best: Hit,
 }
 
-impl<'a, const ANY: bool> Nearest<'a, ANY> {
+impl<'a> Nearest<'a> {
     /// Of a ray that begins where hits after `previous` are.
     #[inline(always)]
     fn of(ray: &Ray, previous: &'a Hit) -> Self {
@@ -228,13 +230,13 @@ impl<'a, const ANY: bool> Nearest<'a, ANY> {
     }
 }
 
-impl<const ANY: bool> Visitor for Nearest<'_, ANY> {
+impl Visitor for Nearest<'_> {
     const ENDS: bool = false;
 
     #[inline(always)]
     fn visit(&mut self, shear: &RayShear, triangle: &Triangle) -> f32 {
         triangle.if_hit(shear, |hit| {
-            if hit.t >= self.t_min && hit.precedes(&self.best) && (ANY || self.previous.precedes(&hit)) {
+            if hit.t >= self.t_min && hit.precedes(&self.best) && self.previous.precedes(&hit) {
                 self.best = hit;
             }
         });

@@ -6,10 +6,9 @@ use crate::ray::{Hit, Ray, MISS};
 use crate::triangle::{RayShear, Triangle};
 use crate::view::View;
 
-/// Keeps the first hit after another; with `ANY` after none.
-pub(super) struct NearestIndex<'a, const ANY: bool> {
+/// Keeps the first hit.
+pub(super) struct NearestIndex {
     triangles: View<Triangle>,
-    previous: &'a Hit,
     t_min: f32,
     /// Distance and weights of the best so far; at first the ray's end.
     t: f32,
@@ -19,11 +18,11 @@ pub(super) struct NearestIndex<'a, const ANY: bool> {
     index: u32,
 }
 
-impl<'a, const ANY: bool> NearestIndex<'a, ANY> {
-    /// Of a ray that begins where hits after `previous` are.
+impl NearestIndex {
+    /// Of a ray.
     #[inline(always)]
-    pub fn of(triangles: View<Triangle>, ray: &Ray, previous: &'a Hit) -> Self {
-        Self { triangles, previous, t_min: ray.t_min, t: ray.t_max, u: 0.0, v: 0.0, index: MISS }
+    pub fn of(triangles: View<Triangle>, ray: &Ray) -> Self {
+        Self { triangles, t_min: ray.t_min, t: ray.t_max, u: 0.0, v: 0.0, index: MISS }
     }
 
     /// The hit, once the ray's way is over.
@@ -46,7 +45,7 @@ impl<'a, const ANY: bool> NearestIndex<'a, ANY> {
     }
 }
 
-impl<const ANY: bool> LeafVisitor for NearestIndex<'_, ANY> {
+impl LeafVisitor for NearestIndex {
     const ORDERED: bool = true;
     const ENDS: bool = false;
 
@@ -54,7 +53,7 @@ impl<const ANY: bool> LeafVisitor for NearestIndex<'_, ANY> {
     fn visit_at(&mut self, index: u32, shear: &RayShear, triangle: &Triangle) -> f32 {
         triangle.if_hit(shear, |hit| {
             let nearer = hit.t < self.t || (hit.t == self.t && self.wins_tie(&hit));
-            if hit.t >= self.t_min && nearer && (ANY || self.previous.precedes(&hit)) {
+            if hit.t >= self.t_min && nearer {
                 (self.t, self.u, self.v, self.index) = (hit.t, hit.u, hit.v, index);
             }
         });

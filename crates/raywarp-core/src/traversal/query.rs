@@ -1,6 +1,6 @@
 //! What is asked of a ray.
 
-use super::{NullStatistics, Structure, Visitor, ENOUGH, START};
+use super::{NullStatistics, Structure, Visitor, ENOUGH};
 use crate::ray::{Hit, HitArrays, Ray};
 use crate::triangle::{RayShear, Triangle};
 use crate::view::ViewMut;
@@ -78,7 +78,7 @@ impl Query for ClosestHit {
 
     #[inline(always)]
     fn search(structure: &impl Structure, ray: &Ray) -> Hit {
-        structure.nearest::<true>(ray, &START, &mut NullStatistics)
+        structure.nearest(ray)
     }
 
     #[inline(always)]
