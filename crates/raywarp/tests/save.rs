@@ -394,7 +394,7 @@ fn what_cannot_be_saved_is_an_error_with_a_reason() {
     says(save(&path, &|_| ()), "made of it");
     std::fs::copy(folder.path().join("lamps.gltf"), folder.path().join("b.toml")).unwrap();
     save(&folder.path().join("b.toml"), &|_| ()).unwrap();
-    says(save(&folder.path().join("none/a.toml"), &|_| ()), "Make it first");
+    says(save(&folder.path().join("none/a.toml"), &|_| ()), "cannot find the folder");
     says(save(&target, &|scene| drop(scene.materials.pop())), "number of materials");
     says(save(&target, &|scene| drop(scene.instances.pop())), "other instances");
     says(save(&target, &|scene| scene.materials[0].diffuse[1] = f32::NAN), "expected a number from 0 to 1e12");

@@ -10,7 +10,7 @@ use raywarp_core::traversal::Counter;
 use raywarp_core::view::ViewMut;
 use raywarp_lab_core::clocks::{Clocks, StageTimes};
 
-use crate::views::Views;
+use raywarp_device::kernels::Views;
 
 /// How long the threads of all pixels were in each stage, added up: making camera rays, looking for hits, everything
 /// else. In units of [`PixelCosts::ticks`](raywarp::render::PixelCosts::ticks); a thread that waits for others of its warp is in

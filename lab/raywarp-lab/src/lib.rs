@@ -14,7 +14,6 @@ pub mod paths;
 mod ptx;
 mod sharing;
 pub mod structures;
-mod views;
 
 use raywarp::device::{Device, DeviceChoice, DeviceError};
 

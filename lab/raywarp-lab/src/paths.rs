@@ -2,14 +2,13 @@
 
 use raywarp_core::kernels::Kernel;
 use raywarp_core::traversal;
+use raywarp_device::kernels::Views;
 use raywarp_lab_core::sharing::paths::{Bounce, Paths, Trail, Waiting, Way};
 use raywarp_lab_core::sharing::sort::{Begin, Move, Sum, Tell, BINS, CELLS, RUNS};
 
 use raywarp::accel::bvh2::Bvh2;
 use raywarp::device::{Buffer, Device, DeviceError};
 use raywarp::{Ray, Triangle, Vec3};
-
-use crate::views::Views;
 
 /// How paths are followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -13,11 +13,11 @@ use raywarp_lab_core::sharing::refill::Refill;
 use raywarp_core::view::ViewMut;
 
 use crate::lanes::LoopForm;
-use crate::views::Views;
 use raywarp::accel::bvh2::Bvh2;
 use raywarp::device::{Buffer, Device, DeviceError};
 use raywarp::query::{Answers, HitBuffers};
 use raywarp::{Ray, Triangle, Vec3};
+use raywarp_device::kernels::Views;
 
 /// How threads come by their rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

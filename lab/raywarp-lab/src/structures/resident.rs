@@ -7,7 +7,7 @@ use raywarp::Triangle;
 use raywarp_core::view::Plain;
 use raywarp_lab_core::structures::{self as kernels, bvh4, bvh8, bvh8w};
 
-use crate::views::Views;
+use raywarp_device::kernels::Views;
 
 /// A list on a device, to be staged.
 pub struct ResidentStaged(pub ResidentBrute);
