@@ -6,6 +6,7 @@ use std::path::Path;
 use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
+use raywarp::scene::settings::SETTINGS;
 
 use crate::options::Options;
 
@@ -34,11 +35,9 @@ fn is_scene(word: &OsStr) -> bool {
 /// Extensions of scenes.
 const SCENES: [&str; 6] = ["obj", "ply", "stl", "gltf", "glb", "toml"];
 
-/// Flags as people guess them, and what to write instead, which begins with a flag of raywarp.
-const GUESSES: [(&[&str], &str); 29] = [
-    (&["width", "height", "resolution", "res", "image-size", "dimensions"], "--size 1920x1080"),
-    (&["sample", "samples-per-pixel", "aa", "antialias", "antialiasing", "num-samples"], "--samples 16"),
-    (&["bounces", "max-bounces", "depth", "recursion", "max-recursion", "ray-depth"], "--max-depth 8"),
+/// Flags as people guess them, and what to write instead, which begins with a flag of raywarp. Those for the options of
+/// rendering are in the schema.
+const GUESSES: [(&[&str], &str); 22] = [
     (&["look-at", "lookat", "at", "center", "centre", "look", "focus"], "--target 0,1,0"),
     (&["from", "position", "pos", "origin", "camera-position", "look-from", "cam-pos"], "--eye 3,2,5"),
     (&["cam", "camera-index"], "--camera NAME"),
@@ -54,10 +53,6 @@ const GUESSES: [(&[&str], &str); 29] = [
     (&["out", "outfile", "output-file", "save", "write"], "--output FILE"),
     (&["jobs", "num-threads", "cores", "nproc", "cpus"], "--threads 4"),
     (&["gpu", "cpu", "cuda", "backend"], "--device cuda"),
-    (&["bvh", "structure", "accelerator", "acceleration"], "--accel bvh2"),
-    (&["quality", "tree-quality", "build-quality"], "--tree high"),
-    (&["tonemap", "tone-mapping", "tonemapping", "gamma"], "--tone-map filmic"),
-    (&["ev", "brightness"], "--exposure 1"),
     (&["layers", "passes", "aovs", "channels"], "--aov depth,normal"),
     (&["region", "window", "roi"], "--crop 0,0,640,360"),
     (&["turntable", "spin", "rotate"], "--orbit"),
@@ -66,6 +61,15 @@ const GUESSES: [(&[&str], &str); 29] = [
     (&["listen", "bind", "address", "ip"], "--host 0.0.0.0"),
     (&["verbose", "timing", "timings", "statistics", "profile"], "--stats"),
 ];
+
+/// All guesses.
+fn guesses() -> impl Iterator<Item = (&'static [&'static str], String)> {
+    let settings = SETTINGS.iter().map(|setting| {
+        let (names, value) = setting.elsewhere;
+        (names, format!("--{} {value}", setting.parameter.name.replace('_', "-")))
+    });
+    GUESSES.into_iter().map(|(names, instead)| (names, instead.to_owned())).chain(settings)
+}
 
 fn with_tip(mut error: clap::Error, words: &[OsString]) -> clap::Error {
     let tip = match (error.kind(), error.get(ContextKind::InvalidArg)) {
@@ -82,13 +86,13 @@ fn with_tip(mut error: clap::Error, words: &[OsString]) -> clap::Error {
 }
 
 /// What to write instead of a flag, if the command has such.
-fn tip(flag: &str, words: &[OsString]) -> Option<&'static str> {
+fn tip(flag: &str, words: &[OsString]) -> Option<String> {
     let name = flag.trim_start_matches('-').split('=').next()?;
-    let (_, instead) = GUESSES.into_iter().find(|(guesses, _)| guesses.contains(&name))?;
-    let known = instead.trim_start_matches('-').split(' ').next()?;
+    let (_, instead) = guesses().find(|(names, _)| names.contains(&name))?;
+    let known = instead.trim_start_matches('-').split(' ').next()?.to_owned();
     let commands = Options::command();
     let command = words.iter().skip(1).find_map(|word| commands.find_subcommand(word))?;
-    let has_it = command.get_arguments().any(|argument| argument.get_long() == Some(known));
+    let has_it = command.get_arguments().any(|argument| argument.get_long() == Some(&known));
     has_it.then_some(instead)
 }
 
@@ -142,11 +146,11 @@ mod tests {
         let commands = Options::command();
         let flags: Vec<_> = commands.get_subcommands().flat_map(|command| command.get_arguments()).collect();
         let is_flag = |name: &str| flags.iter().any(|flag| flag.get_long() == Some(name));
-        for (guesses, instead) in GUESSES {
+        for (names, instead) in guesses() {
             let flag = instead.trim_start_matches('-').split(' ').next().unwrap();
             assert!(is_flag(flag), "{instead}");
             let render = commands.find_subcommand("render").unwrap();
-            let taken = guesses.iter().find(|guess| render.get_arguments().any(|flag| flag.get_long() == Some(guess)));
+            let taken = names.iter().find(|guess| render.get_arguments().any(|flag| flag.get_long() == Some(guess)));
             assert_eq!(taken, None);
         }
     }

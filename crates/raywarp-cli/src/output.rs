@@ -39,7 +39,8 @@ pub struct Results<'a> {
 impl<'a> Results<'a> {
     /// The picture; the layers, if any are asked for, with tests for a heat map; and what they were made of.
     pub fn new(picture: &'a Picture, layers: &'a Layers, origin: &Origin) -> Self {
-        let Origin { development, heatmap_max, background, .. } = *origin;
+        let Origin { heatmap_max, background, .. } = *origin;
+        let development = Development::from(&origin.settings);
         let (provenance, is_transparent) = (origin.provenance(), background == Some(Backdrop::None));
         Self { picture, layers, development, heatmap_max, provenance, is_transparent, shown: OnceCell::new() }
     }

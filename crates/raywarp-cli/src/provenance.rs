@@ -4,11 +4,11 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use raywarp::image::{Development, Layer, Provenance};
-use raywarp::render::RenderOptions;
-use raywarp::scene::{axis_name, degrees, Camera, Projection};
+use raywarp::image::{Layer, Provenance};
+use raywarp::scene::{axis_name, degrees, Camera, Projection, RenderDefaults};
 use xxhash_rust::xxh3::{xxh3_128, Xxh3};
 
+use crate::options;
 use crate::values::Backdrop;
 
 /// The program, as its files name it.
@@ -20,10 +20,10 @@ pub struct Origin<'a> {
     pub scene: Option<&'a Path>,
     /// See [`digest`].
     pub digest: u128,
-    /// Size, samples and so on.
-    pub options: RenderOptions,
-    /// How PNG shows radiance.
-    pub development: Development,
+    /// Size, samples and so on: all that a picture depends on, none left out.
+    pub settings: RenderDefaults,
+    /// The part of the picture.
+    pub crop: Option<[u32; 4]>,
     /// Instead of the scene's own.
     pub background: Option<Backdrop>,
     /// Which way is up in the scene, if that is not +Y.
@@ -52,16 +52,10 @@ impl Origin<'_> {
 
     /// Options that give the picture again, to the bit.
     fn flags(&self) -> String {
-        let RenderOptions { size: [width, height], spp, max_depth, shadows, seed, crop, .. } = self.options;
-        let Development { exposure, tone_map } = self.development;
-        let crop = crop.map(|[x0, y0, x1, y1]| format!(" --crop {x0},{y0},{x1},{y1}")).unwrap_or_default();
-        let shadows = if shadows { "--shadows" } else { "--no-shadows" };
+        let crop = self.crop.map(|[x0, y0, x1, y1]| format!(" --crop {x0},{y0},{x1},{y1}")).unwrap_or_default();
         let background = self.background.map(|color| format!(" --background={color}")).unwrap_or_default();
-        format!(
-            "--size {width}x{height}{crop} --samples {spp} --max-depth {max_depth} {shadows} --seed {seed} \
-             --exposure={exposure} --tone-map {tone_map}{background} {}",
-            camera_flags(self.camera, self.scene_up)
-        )
+        let (settings, camera) = (options::flags(&self.settings), camera_flags(self.camera, self.scene_up));
+        format!("{settings}{crop}{background} {camera}")
     }
 }
 
@@ -121,8 +115,8 @@ mod tests {
         let mut origin = Origin {
             scene: None,
             digest: 1,
-            options: RenderOptions::default(),
-            development: Development::default(),
+            settings: RenderDefaults::usual(),
+            crop: None,
             background: None,
             scene_up: None,
             camera: &camera,
@@ -136,14 +130,13 @@ mod tests {
     #[test]
     fn whatever_changes_the_picture_changes_the_fingerprint_and_nothing_else_does() {
         let usual = fingerprint(|_| ());
-        assert_eq!(usual, fingerprint(|origin| origin.options.count_tests = true));
         assert_eq!(usual, fingerprint(|origin| origin.scene = Some(Path::new("elsewhere/a.obj"))));
         let changes: [&dyn Fn(&mut Origin); 9] = [
             &|origin| origin.digest = 2,
-            &|origin| origin.options.spp = 2,
-            &|origin| origin.options.crop = Some([0, 0, 9, 9]),
-            &|origin| origin.options.shadows = false,
-            &|origin| origin.development.exposure = -0.5,
+            &|origin| origin.settings.spp = Some(2),
+            &|origin| origin.crop = Some([0, 0, 9, 9]),
+            &|origin| origin.settings.shadows = Some(false),
+            &|origin| origin.settings.exposure = Some(-0.5),
             &|origin| origin.background = Some(Backdrop::None),
             &|origin| origin.scene_up = Some([0.0, 0.0, 1.0]),
             &|origin| origin.layers = &[Layer::Depth],

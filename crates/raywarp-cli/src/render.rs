@@ -6,8 +6,9 @@ use std::time::Instant;
 use raywarp::accel::cache::Cache;
 use raywarp::accel::Build;
 use raywarp::device::Device;
-use raywarp::image::{Development, Layers, Picture};
+use raywarp::image::{Layers, Picture};
 use raywarp::render::{self, Progress, Rendering, Tracer};
+use raywarp::scene::settings::Part;
 use raywarp::scene::{load, Camera, LoadOptions, Loaded, RenderDefaults, Viewpoint};
 use raywarp::write::Outputs;
 
@@ -252,8 +253,12 @@ impl Shot<'_> {
         Origin {
             scene: self.setup.options.scene.as_deref(),
             digest: self.setup.digest,
-            options: self.library_options(false),
-            development: Development::from(&self.setup.overrides),
+            settings: self.setup.overrides.or(&RenderDefaults::usual()).only(&[
+                Part::Picture,
+                Part::Shading,
+                Part::Display,
+            ]),
+            crop: self.setup.options.crop,
             background: self.setup.options.background,
             scene_up: self.setup.loaded.scene.up,
             camera: self.camera,

@@ -159,11 +159,11 @@ pub fn value(kind: Kind, text: &str) -> Result<Value, String> {
     }
 }
 
+/// Read in single precision at once: rounding twice might miss the number that was written.
 fn number(text: &str, low: f64, high: f64, unit: &str) -> Result<f32, String> {
     let of = if unit.is_empty() { String::new() } else { format!(" of {unit}") };
-    ranged::<f64>(text, low, high)
-        .map(|number| number as f32)
-        .ok_or_else(|| format!("give a number{of} from {low} to {high}"))
+    let number = text.parse().ok().filter(|&number: &f32| (low..=high).contains(&f64::from(number)));
+    number.ok_or_else(|| format!("give a number{of} from {low} to {high}"))
 }
 
 fn one_of(words: &[&'static str], text: &str) -> Result<&'static str, String> {

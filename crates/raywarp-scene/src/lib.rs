@@ -18,6 +18,7 @@ pub mod save;
 pub mod schema;
 pub mod settings;
 pub mod srgb;
+mod texture;
 mod viewpoint;
 pub mod write;
 
@@ -26,10 +27,11 @@ pub use camera::{axis_name, degrees, radians, Camera, Projection};
 pub use image::Image;
 pub use light::{Light, LightKind};
 pub use load::{LoadError, LoadOptions, Loaded, Warning};
-pub use material::{AlphaMode, Channel, Filter, Material, NormalMap, Texture, UvSet, Wrap};
+pub use material::{AlphaMode, Material};
 pub use mesh::{Instance, Mesh, Transform};
 pub use path::{CameraKey, CameraPath, PathError};
 pub use settings::RenderDefaults;
+pub use texture::{Channel, Filter, NormalMap, Texture, UvSet, Wrap};
 pub use viewpoint::{Side, UnknownCamera, UnknownSide, Viewpoint};
 
 /// Everything that a picture needs. Meshes are placed by instances: a mesh without an instance is not seen.

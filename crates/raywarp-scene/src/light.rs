@@ -1,5 +1,7 @@
 //! Light sources.
 
+use crate::schema::{Described, Kind, PanelRow, Parameter, Usual, Value};
+
 /// A light of the paper's tracer: infinitely small or infinitely far.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
@@ -52,4 +54,157 @@ pub enum LightKind {
         /// Half angle, in radians, from which the light is dark; larger than `inner`, at most pi/2.
         outer: f32,
     },
+}
+
+impl Described for Light {
+    fn parameters() -> impl Iterator<Item = &'static Parameter<Self>> {
+        LIGHT.iter()
+    }
+}
+
+/// In the order of a saved file and of the panel: the kind comes first, as the others depend on it.
+const LIGHT: &[Parameter<Light>] = &[
+    Parameter {
+        name: "kind",
+        alias: None,
+        kind: Kind::Words(&["point", "directional", "spot"]),
+        meaning: "What it is",
+        default: Usual::Words("required"),
+        panel: None,
+        read: |light| {
+            Some(Value::Word(match light.kind {
+                LightKind::Point { .. } => "point",
+                LightKind::Directional { .. } => "directional",
+                LightKind::Spot { .. } => "spot",
+            }))
+        },
+        write: |light, value| {
+            let (position, direction) = ([0.0; 3], [0.0, -1.0, 0.0]);
+            light.kind = match value {
+                Value::Word("point") => LightKind::Point { position },
+                Value::Word("directional") => LightKind::Directional { direction },
+                Value::Word("spot") => {
+                    let outer = std::f32::consts::FRAC_PI_4;
+                    LightKind::Spot { position, direction, inner: 0.8 * outer, outer }
+                }
+                _ => light.kind,
+            };
+        },
+    },
+    Parameter {
+        name: "color",
+        alias: None,
+        kind: Kind::Color,
+        meaning: "Colour",
+        default: Usual::Value(|| Value::Triple([1.0; 3])),
+        panel: Some(PanelRow::ranged("Colour", [0.0, 1.0], 0.0)),
+        read: |light| Some(Value::Triple(light.color)),
+        write: |light, value| {
+            if let Value::Triple(color) = value {
+                light.color = color;
+            }
+        },
+    },
+    Parameter {
+        name: "position",
+        alias: None,
+        kind: Kind::Vector,
+        meaning: "Place of a point or a spot",
+        default: Usual::Words("required there"),
+        panel: Some(PanelRow::new("Position")),
+        read: |light| match light.kind {
+            LightKind::Point { position } | LightKind::Spot { position, .. } => Some(Value::Triple(position)),
+            LightKind::Directional { .. } => None,
+        },
+        write: |light, value| match (&mut light.kind, value) {
+            (LightKind::Point { position } | LightKind::Spot { position, .. }, Value::Triple(to)) => *position = to,
+            _ => {}
+        },
+    },
+    Parameter {
+        name: "direction",
+        alias: None,
+        kind: Kind::Vector,
+        meaning: "The way the light travels, of a directional light or a spot",
+        default: Usual::Words("required there, but for a spot with a `target`"),
+        panel: Some(PanelRow::ranged("Direction", [0.0, 1.0], 0.05)),
+        read: |light| match light.kind {
+            LightKind::Directional { direction } | LightKind::Spot { direction, .. } => Some(Value::Triple(direction)),
+            LightKind::Point { .. } => None,
+        },
+        write: |light, value| match (&mut light.kind, value) {
+            (LightKind::Directional { direction } | LightKind::Spot { direction, .. }, Value::Triple(to)) => {
+                *direction = to;
+            }
+            _ => {}
+        },
+    },
+    Parameter {
+        name: "attenuation",
+        alias: None,
+        kind: Kind::Terms,
+        meaning: "`[a0, a1, a2]`: at distance d the light is divided by `a0 + a1 d + a2 d²`; not all 0, and not for a \
+                  directional light",
+        default: Usual::Value(|| Value::Triple([1.0, 0.0, 0.0])),
+        panel: None,
+        read: |light| has_place(light).then_some(Value::Triple(light.attenuation)),
+        write: |light, value| {
+            if let (true, Value::Triple(terms)) = (has_place(light), value) {
+                light.attenuation = terms;
+            }
+        },
+    },
+    Parameter {
+        name: "range",
+        alias: None,
+        kind: Kind::Positive,
+        meaning: "Beyond this distance the light is dark; not for a directional light",
+        default: Usual::Words("none"),
+        panel: None,
+        read: |light| (has_place(light) && light.range.is_finite()).then_some(Value::Number(light.range)),
+        write: |light, value| {
+            if let (true, Value::Number(range)) = (has_place(light), value) {
+                light.range = range;
+            }
+        },
+    },
+    Parameter {
+        name: "outer",
+        alias: None,
+        kind: Kind::Angle,
+        meaning: "Half angle of a spot from which it is dark",
+        default: Usual::Words("45"),
+        panel: None,
+        read: |light| match light.kind {
+            LightKind::Spot { outer, .. } => Some(Value::Number(outer)),
+            _ => None,
+        },
+        write: |light, value| {
+            if let (LightKind::Spot { outer, .. }, Value::Number(angle)) = (&mut light.kind, value) {
+                *outer = angle;
+            }
+        },
+    },
+    Parameter {
+        name: "inner",
+        alias: None,
+        kind: Kind::Angle,
+        meaning: "Half angle of a spot up to which it is full, less than `outer`",
+        default: Usual::Words("0.8 × `outer`"),
+        panel: None,
+        read: |light| match light.kind {
+            LightKind::Spot { inner, .. } => Some(Value::Number(inner)),
+            _ => None,
+        },
+        write: |light, value| {
+            if let (LightKind::Spot { inner, .. }, Value::Number(angle)) = (&mut light.kind, value) {
+                *inner = angle;
+            }
+        },
+    },
+];
+
+/// Light from far away neither falls off nor ends.
+fn has_place(light: &Light) -> bool {
+    !matches!(light.kind, LightKind::Directional { .. })
 }

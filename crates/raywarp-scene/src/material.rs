@@ -1,5 +1,8 @@
 //! Surfaces: the Phong model of the paper and of Wavefront MTL, with mirror reflection and refraction.
 
+use crate::schema::{Described, Field, Kind, PanelRow, Parameter, Usual, Value};
+use crate::{NormalMap, Texture};
+
 /// How a surface answers light. The default is a matt grey.
 ///
 /// Radiance leaving the surface (Phong 1975 with the recursive terms of Whitted 1980):
@@ -96,111 +99,115 @@ pub enum AlphaMode {
     Blend,
 }
 
-/// How a material samples an image.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Texture {
-    /// Index into [`Scene::images`](super::Scene::images).
-    pub image: u32,
-    /// Which of the mesh's texture coordinates it is laid out by.
-    pub uv_set: UvSet,
-    /// The colour channels are sRGB and are decoded before filtering. Alpha never is.
-    pub srgb: bool,
-    /// What happens outside of [0, 1], along u and along v.
-    pub wrap: [Wrap; 2],
-    /// Between texels.
-    pub filter: Filter,
-    /// Which of the channels are used.
-    pub channel: Channel,
-    /// Rows of the map from mesh coordinates to image coordinates: `u' = r0[0] u + r0[1] v + r0[2]`, `v'` by `r1`.
-    pub transform: [[f32; 3]; 2],
-    /// The sampled colour becomes `base + gain * colour` (MTL `-mm`). Alpha does not.
-    pub base: f32,
-    /// See `base`.
-    pub gain: f32,
+macro_rules! parameters {
+    ($($name:ident, $kind:expr, $default:expr, $panel:expr, $meaning:literal;)* [$($other:expr),*]) => {
+        &[$(Parameter {
+            name: stringify!($name),
+            alias: None,
+            kind: $kind,
+            meaning: $meaning,
+            default: $default,
+            panel: $panel,
+            read: |material: &Material| Some(material.$name.value()),
+            write: |material: &mut Material, value| {
+                if let Some(value) = Field::of(value) {
+                    material.$name = value;
+                }
+            },
+        },)* $($other),*]
+    };
 }
 
-impl Texture {
-    /// The whole image, repeated, bilinear, unchanged.
-    pub fn new(image: u32, srgb: bool) -> Self {
-        Self {
-            image,
-            uv_set: UvSet::First,
-            srgb,
-            wrap: [Wrap::Repeat; 2],
-            filter: Filter::Bilinear,
-            channel: Channel::Rgb,
-            transform: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-            base: 0.0,
-            gain: 1.0,
-        }
+const BLACK: Usual = Usual::Value(|| Value::Triple([0.0; 3]));
+const OFF: Usual = Usual::Value(|| Value::Flag(false));
+
+impl Described for Material {
+    fn parameters() -> impl Iterator<Item = &'static Parameter<Self>> {
+        MATERIAL.iter()
     }
 }
 
-/// One of the sets of texture coordinates of a mesh.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum UvSet {
-    /// [`Mesh::uvs`](super::Mesh::uvs).
-    #[default]
-    First,
-    /// [`Mesh::second_uvs`](super::Mesh::second_uvs).
-    Second,
-}
+/// In the order of a saved file and of the panel.
+const MATERIAL: &[Parameter<Material>] = parameters! {
+    diffuse, Kind::Color, Usual::Value(|| Value::Triple([0.7; 3])), color("Diffuse", 1.0),
+        "Colour of the cosine lobe";
+    ambient, Kind::Color, Usual::Words("`diffuse`"), color("Ambient", 1.0),
+        "Colour against an `ambient` light that the scene gives; the built-in one is reflected by `diffuse`";
+    specular, Kind::Color, BLACK, color("Specular", 1.0),
+        "Colour of the highlight";
+    shininess, Kind::NON_NEGATIVE, Usual::Value(|| Value::Number(32.0)), number("Shininess", [0.0, 1000.0]),
+        "Exponent of the highlight";
+    emission, Kind::Color, BLACK, color("Emission", 10.0),
+        "Radiance of its own; it does not light other surfaces";
+    reflection, Kind::Share, BLACK, color("Reflection", 1.0),
+        "Share of the mirrored radiance";
+    transmission, Kind::Share, BLACK, color("Transmission", 1.0),
+        "Share of what passes through; it also colours shadows";
+    ior, Kind::Number { low: 0.01, high: 100.0, unit: "" }, Usual::Value(|| Value::Number(1.0)),
+        number("Index of refraction", [1.0, 3.0]),
+        "Index of refraction of the inside; 1 does not bend";
+    fresnel, Kind::FLAG, OFF, Some(PanelRow::new("Fresnel")),
+        "Whether Fresnel's equations share out the light: glass (a `transmission`, and an `ior` other than 1) mirrors their share, \
+         tinted by `reflection` if that is not 0, and lets the rest through; other surfaces mirror `reflection` from the \
+         front and more at grazing angles. Without it both count in full, so their sum should stay below 1";
+    opacity, Kind::Number { low: 0.0, high: 1.0, unit: "" }, Usual::Value(|| Value::Number(1.0)),
+        number("Opacity", [0.0, 1.0]),
+        "Coverage";
+    unlit, Kind::FLAG, OFF, None,
+        "Shows `diffuse` without light or shadow";
+    [ALPHA, CUTOFF]
+};
 
-/// Texture coordinates outside of [0, 1].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wrap {
-    /// The fractional part.
-    #[default]
-    Repeat,
-    /// The nearest edge texel.
-    Clamp,
-    /// Back and forth.
-    Mirror,
-}
-
-/// Reconstruction between texels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Filter {
-    /// The texel that the point lies in.
-    Nearest,
-    /// Linear in both directions between the four nearest texel centres.
-    #[default]
-    Bilinear,
-}
-
-/// Channel selection; a single channel is spread over red, green and blue.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Channel {
-    /// Colour as it is.
-    #[default]
-    Rgb,
-    /// Red alone.
-    Red,
-    /// Green alone.
-    Green,
-    /// Blue alone.
-    Blue,
-    /// Alpha alone.
-    Alpha,
-    /// Rec. 709 luminance of the linear colour.
-    Luminance,
-}
-
-/// What bends the shading normal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum NormalMap {
-    /// Tangent-space normals, `2 rgb - 1`, green up (OpenGL's convention); x and y are scaled by `scale`.
-    Tangent {
-        /// The image, not sRGB.
-        texture: Texture,
-        /// 1 is as painted.
-        scale: f32,
+const ALPHA: Parameter<Material> = Parameter {
+    name: "alpha",
+    alias: None,
+    kind: Kind::Words(&["opaque", "mask", "blend"]),
+    meaning: "`\"opaque\"`: coverage is ignored; `\"mask\"`: there or not, by `cutoff`; `\"blend\"`: mixed",
+    default: Usual::Words("`\"blend\"` with an `opacity` below 1 or an `opacity_map`, else `\"opaque\"`"),
+    panel: None,
+    read: |material| {
+        Some(Value::Word(match material.alpha {
+            AlphaMode::Opaque => "opaque",
+            AlphaMode::Mask(_) => "mask",
+            AlphaMode::Blend => "blend",
+        }))
     },
-    /// Heights; the normal leans by the finite difference of neighbouring texels.
-    Height {
-        /// The image, not sRGB.
-        texture: Texture,
-        /// Height of white over black, in texels.
-        scale: f32,
+    write: |material, value| {
+        material.alpha = match (value, material.alpha) {
+            (Value::Word("opaque"), _) => AlphaMode::Opaque,
+            (Value::Word("blend"), _) => AlphaMode::Blend,
+            (Value::Word("mask"), AlphaMode::Opaque | AlphaMode::Blend) => AlphaMode::Mask(USUAL_CUTOFF),
+            (_, same) => same,
+        }
     },
+};
+
+/// Least coverage that is there, unless the file says otherwise.
+const USUAL_CUTOFF: f32 = 0.5;
+
+/// After `alpha`, as only a mask has one.
+const CUTOFF: Parameter<Material> = Parameter {
+    name: "cutoff",
+    alias: None,
+    kind: Kind::Number { low: 0.0, high: 1.0, unit: "" },
+    meaning: "With `\"mask\"`: least coverage that is there",
+    default: Usual::Value(|| Value::Number(USUAL_CUTOFF)),
+    panel: None,
+    read: |material| match material.alpha {
+        AlphaMode::Mask(cutoff) => Some(Value::Number(cutoff)),
+        _ => None,
+    },
+    write: |material, value| {
+        if let (AlphaMode::Mask(cutoff), Value::Number(number)) = (&mut material.alpha, value) {
+            *cutoff = number;
+        }
+    },
+};
+
+const fn color(label: &'static str, high: f32) -> Option<PanelRow> {
+    Some(PanelRow::ranged(label, [0.0, high], 0.0))
+}
+
+const fn number(label: &'static str, range: [f32; 2]) -> Option<PanelRow> {
+    Some(PanelRow::ranged(label, range, 0.0))
 }

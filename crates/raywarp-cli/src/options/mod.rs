@@ -26,7 +26,7 @@ pub use man::ManOptions;
 pub use query::QueryOptions;
 pub use render::{RenderOptions, StatsForm};
 pub use serve::ServeOptions;
-pub use settings::{LightSettings, PictureSettings, StructureSettings};
+pub use settings::{flags, LightSettings, PictureSettings, StructureSettings};
 pub use view::ViewOptions;
 
 /// Ray tracing on any CUDA GPU with nothing but its driver, or on the CPU

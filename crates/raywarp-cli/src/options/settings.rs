@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 
 use clap::builder::{PossibleValue, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use raywarp::scene::schema::{Kind, Usual, Value};
+use raywarp::scene::schema::{Described, Kind, Usual, Value};
 use raywarp::scene::settings::{Part, Setting, SETTINGS};
 use raywarp::scene::RenderDefaults;
 
@@ -131,6 +131,22 @@ fn usual(setting: &Setting) -> String {
     }
 }
 
+/// The options that ask for some values, to the bit.
+pub fn flags(values: &RenderDefaults) -> String {
+    let given = RenderDefaults::parameters().filter_map(|parameter| Some((parameter, parameter.get(values)?)));
+    let flags = given.map(|(parameter, value)| {
+        let name = parameter.name.replace('_', "-");
+        match value {
+            Value::Flag(true) => format!("--{name}"),
+            Value::Flag(false) => format!("--no-{name}"),
+            // A number may begin with a minus.
+            Value::Number(_) => format!("--{name}={value}"),
+            value => format!("--{name} {value}"),
+        }
+    });
+    flags.collect::<Vec<_>>().join(" ")
+}
+
 /// Reads a value of a kind.
 #[derive(Clone)]
 struct ValueParser(Kind);
@@ -158,6 +174,7 @@ mod tests {
     use raywarp::image::Development;
     use raywarp::render;
 
+    use super::flags;
     use crate::options::RenderOptions;
 
     #[test]
@@ -190,6 +207,8 @@ mod tests {
             asked.to_string(),
             "size 64x48, samples 3, max depth 0, shadows off, seed 7, exposure -1.5, tone map filmic, accel kd, tree high"
         );
+        let again = RenderOptions::try_parse_from(format!("render {}", flags(&asked)).split_whitespace()).unwrap();
+        assert_eq!(again.overrides(), asked);
         let both = RenderOptions::try_parse_from(["render", "--no-shadows", "--shadows"]).unwrap();
         assert_eq!(both.overrides().shadows, Some(true));
     }

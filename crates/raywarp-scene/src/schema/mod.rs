@@ -16,8 +16,6 @@
 
 mod documentation;
 mod kind;
-mod light;
-mod material;
 mod value;
 
 use std::cmp::Ordering;

@@ -26,12 +26,14 @@ pub struct Setting {
     pub part: Part,
     /// What stands for the value in the help of the command line.
     pub placeholder: &'static str,
+    /// Names that it has in other programs, with hyphens, and a value to show to who uses them.
+    pub elsewhere: (&'static [&'static str], &'static str),
 }
 
 macro_rules! settings {
     ($(
         $part:ident $field:ident: $type:ty $(= $usual:expr)? $(, else $words:literal)?, $name:literal $(or $alias:literal)?,
-        $placeholder:literal, $kind:expr, $panel:expr, $meaning:literal;
+        $placeholder:literal, $kind:expr, $panel:expr, $meaning:literal, $elsewhere:expr;
     )*) => {
         /// Defaults for the options of rendering: the `[render]` table of a scene file, or what a command line overrides.
         /// `None` leaves an option to the next one asked, in the end to raywarp.
@@ -64,6 +66,7 @@ macro_rules! settings {
             },
             part: Part::$part,
             placeholder: $placeholder,
+            elsewhere: $elsewhere,
         }),*];
     };
     (@default $usual:expr) => { Usual::Value(|| Field::value($usual)) };
@@ -74,33 +77,42 @@ macro_rules! settings {
 
 settings! {
     Picture size: [u32; 2] = [1920, 1080], "size", "WxH", Kind::Size { high: MAX_SIDE }, None,
-        "Size of the picture in pixels";
+        "Size of the picture in pixels",
+        (&["width", "height", "resolution", "res", "image-size", "dimensions"], "1920x1080");
     Picture spp: u32 = 4, "samples" or "spp", "N", Kind::Count { low: 1, high: MAX_SPP },
         Some(PanelRow::ranged("Samples a pixel", [1.0, 65536.0], 1.0)),
-        "Samples a pixel";
+        "Samples a pixel",
+        (&["sample", "samples-per-pixel", "aa", "antialias", "antialiasing", "num-samples"], "16");
     Shading max_depth: u32 = 5, "max_depth", "N", Kind::Count { low: 0, high: MAX_DEPTH },
         Some(PanelRow::ranged("Bounces", [0.0, MAX_DEPTH as f32], 1.0)),
-        "Mirrored and refracted rays in a row, 0 to 16";
+        "Mirrored and refracted rays in a row, 0 to 16",
+        (&["bounces", "max-bounces", "depth", "recursion", "max-recursion", "ray-depth"], "8");
     Shading shadows: bool = true, "shadows", "",
         Kind::Flag {
             on: "Let lights cast shadows, as they do unless the scene file says otherwise",
             off: "Let every light reach everything",
         },
         Some(PanelRow::new("Shadows")),
-        "Whether lights cast shadows";
+        "Whether lights cast shadows",
+        (&[], "");
     Shading seed: u32 = 0, "seed", "N", Kind::Count { low: 0, high: u32::MAX }, None,
-        "Start of the random numbers that place the samples";
+        "Start of the random numbers that place the samples",
+        (&["random-seed", "rng-seed"], "1");
     Display exposure: f32 = 0.0, "exposure", "EV", Kind::Number { low: -60.0, high: 60.0, unit: "stops" },
         Some(PanelRow::ranged("Exposure, stops", [-20.0, 20.0], 0.1)),
-        "Brighten by EV stops, in PNG only: EXR holds the radiance itself";
+        "Brighten by EV stops, in PNG only: EXR holds the radiance itself",
+        (&["ev", "brightness"], "1");
     Display tone_map: ToneMap = ToneMap::Clamp, "tone_map", "CURVE", Kind::Words(&ToneMap::NAMES),
         Some(PanelRow::new("Tone map")),
-        "What PNG does with radiance above 1: clamp, filmic";
+        "What PNG does with radiance above 1: clamp, filmic",
+        (&["tonemap", "tone-mapping", "tonemapping", "gamma"], "filmic");
     Structure accel: AccelKind, else "the fastest on the device", "accel", "KIND", Kind::Words(&AccelKind::NAMES), None,
         "How to find hits: brute (every triangle), kd (the paper's k-d tree), or a hierarchy of boxes: bvh2, bvh2c, bvh, \
-         bvh8f (for CPUs)";
+         bvh8f (for CPUs)",
+        (&["bvh", "structure", "accelerator", "acceleration"], "bvh2");
     Structure tree: Quality = Quality::Medium, "tree", "QUALITY", Kind::Words(&Quality::NAMES), None,
-        "How good a hierarchy of boxes should be: fast (to build), medium, high (to trace)";
+        "How good a hierarchy of boxes should be: fast (to build), medium, high (to trace)",
+        (&["quality", "tree-quality", "build-quality"], "high");
 }
 
 impl Described for RenderDefaults {
