@@ -22,7 +22,7 @@ pub struct SubjectOptions {
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
     #[arg(help_heading = "Scene")]
     pub eye: Option<[f32; 3]>,
-    /// ViewSettings at this point
+    /// Look at this point
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, value_parser = values::vector)]
     #[arg(help_heading = "Scene")]
     pub target: Option<[f32; 3]>,
