@@ -19,8 +19,12 @@ fn grid(side: usize) -> String {
 }
 
 /// Sends a signal once the program has been at work for a while, and answers how it ended and how soon.
-fn signalled(mut child: Child, signal: &str) -> (Option<i32>, Duration) {
-    std::thread::sleep(Duration::from_millis(400));
+fn signalled(child: Child, signal: &str) -> (Option<i32>, Duration) {
+    signalled_after(Duration::from_millis(400), child, signal)
+}
+
+fn signalled_after(time: Duration, mut child: Child, signal: &str) -> (Option<i32>, Duration) {
+    std::thread::sleep(time);
     assert!(child.try_wait().unwrap().is_none(), "it ended too soon for this test");
     Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
     let start = Instant::now();
@@ -48,6 +52,25 @@ fn commands_that_only_measure_end_at_once_and_leave_nothing() {
     }
     let left: Vec<_> = place.names().into_iter().filter(|name| !before.contains(name)).collect();
     assert_eq!(left, [""; 0]);
+}
+
+#[test]
+fn viewers_end_at_once_while_a_scene_is_read_and_its_tree_is_built() {
+    let place = Place::new();
+    place.write("grid.obj", grid(700));
+    for words in [&["serve", "grid.obj", "--port", "0"] as &[&str], &["view", "grid.obj"]] {
+        // Reading takes about as long as the shortest of these, and building longer.
+        for milliseconds in [150, 700, 1500, 2500] {
+            let mut command = place.command(&[words, &["--device", "cpu"]].concat());
+            command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+            let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+            let (code, time) = signalled_after(Duration::from_millis(milliseconds), child, "-INT");
+            eprintln!("{words:?} after {milliseconds} ms: {time:?}");
+            assert_eq!(code, Some(130), "{words:?} after {milliseconds} ms");
+            // A fifth of a second, and what a busy machine adds.
+            assert!(time < Duration::from_millis(700), "{words:?} after {milliseconds} ms: {time:?}");
+        }
+    }
 }
 
 #[test]

@@ -76,6 +76,43 @@ fn people_look_keep_a_picture_and_leave() {
     assert_eq!(place.names(), ["raywarp-2.png", "raywarp.png", "red.toml"]);
 }
 
+/// A grid of so many squares each way: reading it and building its tree take a while.
+fn grid(side: usize) -> String {
+    let mut text: String = (0..=side).flat_map(|y| (0..=side).map(move |x| format!("v {x} {y} 0\n"))).collect();
+    for y in 0..side {
+        for x in 1..=side {
+            let (a, b) = (y * (side + 1) + x, (y + 1) * (side + 1) + x);
+            text += &format!("f {a} {} {} {b}\n", a + 1, b + 1);
+        }
+    }
+    text
+}
+
+#[test]
+fn it_ends_at_once_while_a_scene_is_read_its_tree_is_built_and_it_is_shown() {
+    let Some(screen) = Screen::open() else { return };
+    let place = Place::new();
+    place.write("grid.obj", &grid(700));
+    for milliseconds in [50, 1000, 3000] {
+        for (by_signal, code) in [(false, 0), (true, 130)] {
+            let mut shown = screen.view(&place, &["grid.obj"]);
+            std::thread::sleep(Duration::from_millis(milliseconds));
+            let start = Instant::now();
+            if by_signal {
+                Command::new("kill").args(["-INT", &shown.program.id().to_string()]).status().unwrap();
+            } else {
+                shown.close();
+            }
+            let (status, said) = shown.end();
+            let time = start.elapsed();
+            eprintln!("after {milliseconds} ms, by a signal {by_signal}: {time:?}");
+            assert_eq!(status.code(), Some(code), "{said}");
+            // A fifth of a second, and what a busy machine adds.
+            assert!(time < Duration::from_millis(900), "after {milliseconds} ms, by a signal {by_signal}: {time:?}");
+        }
+    }
+}
+
 #[test]
 fn a_window_of_another_size_gets_a_picture_of_its_size() {
     let Some(screen) = Screen::open() else { return };
