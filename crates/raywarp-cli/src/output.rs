@@ -47,7 +47,7 @@ impl<'a> Results<'a> {
 
     /// The picture as a PNG shows it.
     pub fn shown(&self) -> &Rgb8 {
-        self.shown.get_or_init(|| png::tone_map_film(self.picture, &self.development))
+        self.shown.get_or_init(|| png::tone_map(self.picture, &self.development))
     }
 }
 

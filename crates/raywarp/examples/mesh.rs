@@ -35,6 +35,6 @@ pub fn render(scene: &Scene, size: [u32; 2], file: &Path) -> Result<(), Box<dyn 
     let tracer = Tracer::new(scene, AccelKind::default(), &device)?;
     let options = RenderOptions { size, spp: 16, ..RenderOptions::default() };
     let rendering = tracer.render(tracer.default_camera(), &options, &mut |_| ())?;
-    let pixels = png::tone_map_film(&rendering.picture, &Development::default());
+    let pixels = png::tone_map(&rendering.picture, &Development::default());
     Ok(write::file(file, &png::encode(&pixels)?)?)
 }

@@ -28,7 +28,7 @@ pub fn render(size: [u32; 2], folder: &Path) -> Result<(), Box<dyn Error>> {
     for (name, shift) in [("left.png", -EYES / 2.0), ("right.png", EYES / 2.0)] {
         let camera = sideways(tracer.default_camera(), shift);
         let rendering = tracer.render(&camera, &options, &mut |_| ())?;
-        let pixels = png::tone_map_film(&rendering.picture, &Development::default());
+        let pixels = png::tone_map(&rendering.picture, &Development::default());
         write::file(&folder.join(name), &png::encode(&pixels)?)?;
     }
     Ok(())

@@ -10,6 +10,9 @@ mod mesh;
 #[path = "../examples/million_rays.rs"]
 mod million_rays;
 #[allow(dead_code)]
+#[path = "../examples/moving_instances.rs"]
+mod moving_instances;
+#[allow(dead_code)]
 #[path = "../examples/two_cameras.rs"]
 mod two_cameras;
 
@@ -49,4 +52,15 @@ fn two_eyes_see_two_pictures() {
     let (left, right) = (read("left.png"), read("right.png"));
     assert_eq!([left.width, left.height], [right.width, right.height]);
     assert_ne!(left.pixels, right.pixels);
+}
+
+#[test]
+fn instances_move_from_frame_to_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let after = |frames: u32| {
+        let file = folder.path().join(format!("{frames}.png"));
+        moving_instances::animate(100, frames, [64, 36], &file).unwrap();
+        png::read(&file).unwrap().pixels
+    };
+    assert!(after(1) == after(1) && after(1) != after(2));
 }

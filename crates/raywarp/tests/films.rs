@@ -56,7 +56,7 @@ fn a_film_becomes_the_png_of_the_same_samples_in_steps_of_any_length() {
             Development { exposure: -0.7, tone_map: ToneMap::Filmic },
             Development { exposure: 3.0, tone_map: ToneMap::Clamp },
         ] {
-            let expected = png::tone_map_film(&picture, &development).pixels;
+            let expected = png::tone_map(&picture, &development).pixels;
             for seconds in [0.0, 1e-3, 10.0] {
                 let mut film = exposed(&device, &tracer, seconds);
                 assert_eq!(film.samples(), 5);

@@ -92,5 +92,5 @@ pub fn pixels(tracer: &Tracer, camera: &Camera, options: &RenderOptions) -> Vec<
 /// A picture as a screen shows it.
 pub fn developed(tracer: &Tracer, camera: &Camera, options: &RenderOptions, development: &Development) -> Vec<u8> {
     let picture = tracer.render(camera, options, &mut |_| ()).unwrap().picture;
-    png::tone_map_film(&picture, development).pixels.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect()
+    png::tone_map(&picture, development).pixels.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect()
 }

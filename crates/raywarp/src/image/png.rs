@@ -11,7 +11,7 @@ use super::provenance::PNG_FINGERPRINT;
 use super::{Development, Format, ImageError, Picture, Provenance, Rgb8};
 
 /// Exposes, tone-maps and encodes a picture as a screen shows it.
-pub fn tone_map_film(picture: &Picture, development: &Development) -> Rgb8 {
+pub fn tone_map(picture: &Picture, development: &Development) -> Rgb8 {
     let tone = development.tone();
     let pixels = picture.pixels.par_iter().map(|&[r, g, b, _]| tone.color(Vec3::new(r, g, b))).collect();
     Rgb8 { width: picture.width, height: picture.height, pixels }

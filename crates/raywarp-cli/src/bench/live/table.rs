@@ -61,7 +61,7 @@ fn parts() -> Vec<Column<'static, Row>> {
     let mut columns = names();
     columns.extend([
         right("trace", |row: &Row| part(row.parts.trace)),
-        right("tone_map_film and fetch", |row: &Row| part(row.parts.fetch)),
+        right("tone-map and fetch", |row: &Row| part(row.parts.fetch)),
         right("other", |row: &Row| part(row.parts.other)),
         right("JPEG", |row: &Row| part(row.parts.encode)),
         right("bytes", |row: &Row| messages::bytes(row.jpeg.bytes as u64)),
