@@ -44,7 +44,7 @@ pub fn animate(count: usize, frames: u32, size: [u32; 2], last: &Path) -> Result
         moving += begun.elapsed();
         let rendering = tracer.render(&camera, &options, &mut |_| ())?;
         if frame == frames {
-            let pixels = png::tone_map_film(&rendering.picture, &Development::default());
+            let pixels = png::tone_map(&rendering.picture, &Development::default());
             write::file(last, &png::encode(&pixels)?)?;
         }
     }
