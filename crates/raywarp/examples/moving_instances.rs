@@ -1,6 +1,6 @@
 //! A thousand instances of a mesh that move: `cargo run --release -p raywarp --example moving_instances` traces sixty frames,
 //! tells how long a frame took and what of it was moving, and writes the last, `instances.png`, into a folder if one is named
-//! after `--`. Each mesh has its tree; a move is a transform, and the tree over the instances is made anew.
+//! after `--`, and of another number of instances if that follows. Each mesh has its tree; a move is a transform, and the tree over the instances is made anew.
 
 use std::error::Error;
 use std::path::Path;
@@ -15,13 +15,12 @@ use raywarp::scene::{Instance, Material, Mesh, Scene, Transform};
 use raywarp::{write, Device, Tracer};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder = std::env::args().nth(1).unwrap_or(".".to_owned());
-    let [moving, all] = animate(1000, 60, [960, 540], &Path::new(&folder).join("instances.png"))?;
-    println!(
-        "{:.2} ms a frame, {:.2} ms of them to move the instances",
-        all.as_secs_f64() * 1e3,
-        moving.as_secs_f64() * 1e3
-    );
+    let mut words = std::env::args().skip(1);
+    let folder = words.next().unwrap_or(".".to_owned());
+    let count = words.next().map_or(Ok(1000), |word| word.parse())?;
+    let [moving, all] = animate(count, 60, [960, 540], &Path::new(&folder).join("instances.png"))?;
+    let [moving, all] = [moving, all].map(|time| time.as_secs_f64() * 1e3);
+    println!("{count} instances: {all:.2} ms a frame, {moving:.2} ms of them to move the instances");
     Ok(())
 }
 
