@@ -126,7 +126,12 @@ macro_rules! fail {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! ensure {
-    ($holds:expr, $($words:tt)+) => { if !$holds { $crate::failure::fail!($($words)+) } };
+    ($holds:expr, $($words:tt)+) => {{
+        let holds: bool = $holds;
+        if !holds {
+            $crate::failure::fail!($($words)+)
+        }
+    }};
 }
 
 pub use {ensure, fail};
