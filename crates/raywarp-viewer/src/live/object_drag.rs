@@ -67,13 +67,15 @@ impl ObjectDrag {
 #[cfg(test)]
 mod tests {
     use raywarp::render::framing;
+    use raywarp::scene::Camera;
 
     use super::*;
     use crate::live::Modifiers;
 
     fn control() -> CameraControl {
         let bounds = [[-1.0; 3], [1.0; 3]];
-        let mut control = CameraControl::new(framing(bounds), Vec::new(), bounds, [0.0, 1.0, 0.0]);
+        let home = Camera { eye: [3.0, 0.0, 4.0], target: [0.0; 3], ..framing(bounds) };
+        let mut control = CameraControl::new(home, Vec::new(), bounds, [0.0, 1.0, 0.0]);
         control.handle(&key("1", true), 2.0);
         control
     }
@@ -100,7 +102,7 @@ mod tests {
         let to = |x, y| Event::Pointer { x, y };
         let events = [to(0.5, 0.5), left(true, true), to(0.75, 0.25), left(false, false), to(0.0, 0.0)];
         let control = control();
-        let height = 2.0 * 3f32.sqrt() / 0.35f32.sin() * 0.35f32.tan();
+        let height = 2.0 * 5.0 * 0.35f32.tan();
         let ([x, y, z], consumed) = run(&events, Some([0.0; 3]));
         assert!((x - 0.5 * height).abs() < 1e-4 && (y - 0.25 * height).abs() < 1e-4 && z.abs() < 1e-5);
         assert_eq!(consumed, 3);

@@ -184,8 +184,8 @@ fn a_pole_is_a_stop() {
 fn switching_the_projection_keeps_sizes_at_the_target() {
     let mut control = control(1.0, 0.0);
     let before = control.camera().clone();
-    let at = DVec3::new(0.3, 0.0, 0.0);
     press(&mut control, "1");
+    let at = vec(control.camera().target) + DVec3::new(0.3, 0.0, 0.0);
     let seen = project(control.camera(), at, 1.5);
     press(&mut control, "5");
     assert!(matches!(control.camera().projection, Projection::Orthographic { .. }));
