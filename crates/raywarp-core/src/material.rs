@@ -15,8 +15,6 @@ pub mod flags {
     pub const BLEND: u32 = 8;
     /// The normal map holds heights, not normals.
     pub const HEIGHT: u32 = 16;
-    /// A texture of it is laid out by the second set of texture coordinates.
-    pub const SECOND_UVS: u32 = 32;
     /// Seen from outside alone.
     pub const SINGLE_SIDED: u32 = 64;
     /// What tints `diffuse` tints `specular` and `reflection` too.

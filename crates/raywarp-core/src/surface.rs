@@ -65,10 +65,10 @@ pub struct Scene {
     pub positions: View<Vec3>,
     /// A shading normal a vertex; zero means flat.
     pub normals: View<Vec3>,
-    /// Texture coordinates a vertex, or none at all.
+    /// Texture coordinates a vertex, or none at all; behind those of all vertices the second ones, where there are any.
     pub uvs: View<[f32; 2]>,
-    /// Second texture coordinates a vertex, or none at all.
-    pub second_uvs: View<[f32; 2]>,
+    /// Where the second ones begin; 0 where there are none.
+    pub second_uvs: u32,
     /// Linear RGBA a vertex, or none at all.
     pub colors: View<[f32; 4]>,
     /// Tangent and handedness a vertex (zero: derived from the texture coordinates), or none at all.
@@ -131,8 +131,8 @@ impl Corners {
     }
 
     #[inline(always)]
-    fn mix_array<const N: usize>(&self, array: &View<[f32; N]>) -> [f32; N] {
-        let [a, b, c] = self.vertices.map(|vertex| array.at(vertex));
+    fn mix_array<const N: usize>(&self, array: &View<[f32; N]>, first: u32) -> [f32; N] {
+        let [a, b, c] = self.vertices.map(|vertex| array.at(first + vertex));
         core::array::from_fn(|i| {
             arch::fma(a[i], self.weights[0], arch::fma(b[i], self.weights[1], c[i] * self.weights[2]))
         })
@@ -177,10 +177,10 @@ impl Transform {
 /// many keep a ray that leaves the point off the triangle.
 const OFFSET: f32 = 32.0 / 16_777_216.0;
 
-/// Unit normal of a triangle, on the side that is outside: from there the vertices of its mesh run counter-clockwise.
+/// A normal of a triangle of any length, on the side that is outside: from there the vertices of its mesh run counter-clockwise.
 #[inline(always)]
 fn outward([p0, p1, p2]: [Vec3; 3], corners: &Corners) -> Vec3 {
-    (p1 - p0).cross(p2 - p0).normalize() * corners.handedness
+    (p1 - p0).cross(p2 - p0) * corners.handedness
 }
 
 /// Whether a ray meets the side that a normal is on.
@@ -268,13 +268,13 @@ impl Scene {
     pub fn surface<S: Space>(&self, ray: &Ray, hit: &Hit, material: &Material) -> Surface {
         let corners = self.corners::<S>(hit);
         let positions = self.positions(&corners);
-        let outward = outward(positions, &corners);
+        let outward = outward(positions, &corners).normalize();
         let outside = faces(outward, ray);
         let side = if outside { 1.0 } else { -1.0 };
         let (uv, tint, coverage) = self.attributes(&corners, material);
         let mut normal = self.shading_normal(&corners, outward);
         if material.normal_map != NO_TEXTURE {
-            normal = self.perturb_normal(&corners, normal, uv, material);
+            normal = self.perturb_normal(&corners, normal, material);
         }
         let [p0, p1, p2] = positions.map(Vec3::max_abs);
         let offset = OFFSET * arch::max(p0, arch::max(p1, p2));
@@ -293,19 +293,19 @@ impl Scene {
     /// Texture coordinates, colour and coverage at a hit.
     #[inline(always)]
     fn attributes(&self, corners: &Corners, material: &Material) -> ([f32; 2], Vec3, f32) {
-        let uv = if self.uvs.is_empty() { [0.0; 2] } else { corners.mix_array(&self.uvs) };
+        let uv = self.mixed_uv(corners, 0);
         let (mut tint, mut coverage) = (Vec3::ONE, material.opacity);
         if !self.colors.is_empty() {
-            let [r, g, b, a] = corners.mix_array(&self.colors);
+            let [r, g, b, a] = corners.mix_array(&self.colors, 0);
             (tint, coverage) = (vec3(r, g, b), coverage * a);
         }
         if material.diffuse_map != NO_TEXTURE {
-            let [u, v] = self.laid_out(corners, material, material.diffuse_map, uv);
+            let [u, v] = self.laid_out(corners, material.diffuse_map);
             let texel = self.textures.sample(material.diffuse_map, u, v);
             (tint, coverage) = (tint * texel.color, coverage * texel.alpha);
         }
         if material.opacity_map != NO_TEXTURE {
-            let [u, v] = self.laid_out(corners, material, material.opacity_map, uv);
+            let [u, v] = self.laid_out(corners, material.opacity_map);
             coverage *= self.textures.sample(material.opacity_map, u, v).color.x;
         }
         let coverage = if material.flags & flags::MASK != 0 {
@@ -322,30 +322,34 @@ impl Scene {
         (uv, tint, coverage)
     }
 
-    /// Texture coordinates by which a texture of the material is laid out, given those of the first set.
+    /// Texture coordinates, of vertices from a place on.
     #[inline(always)]
-    fn laid_out(&self, corners: &Corners, material: &Material, map: u32, first: [f32; 2]) -> [f32; 2] {
-        match self.uses_second(material, map) {
-            true => corners.mix_array(&self.second_uvs),
-            false => first,
+    fn mixed_uv(&self, corners: &Corners, first: u32) -> [f32; 2] {
+        match self.uvs.is_empty() {
+            true => [0.0; 2],
+            false => corners.mix_array(&self.uvs, first),
         }
     }
 
-    /// Texture coordinates by which a texture of the material is laid out at a hit, given those of the first set.
+    /// Where the texture coordinates begin by which a texture is laid out.
     #[inline(always)]
-    pub fn coordinates<S: Space>(&self, hit: &Hit, material: &Material, map: u32, first: [f32; 2]) -> [f32; 2] {
-        match self.uses_second(material, map) {
-            true => self.corners::<S>(hit).mix_array(&self.second_uvs),
-            false => first,
+    fn uv_set(&self, map: u32) -> u32 {
+        match self.textures.list.item(map).mode & mode::SECOND_UVS != 0 {
+            true => self.second_uvs,
+            false => 0,
         }
     }
 
-    /// Whether a texture is laid out by the second set. The material is asked first: of most the textures need not be.
+    /// Texture coordinates by which a texture is laid out.
     #[inline(always)]
-    fn uses_second(&self, material: &Material, map: u32) -> bool {
-        material.flags & flags::SECOND_UVS != 0
-            && self.textures.list.item(map).mode & mode::SECOND_UVS != 0
-            && !self.second_uvs.is_empty()
+    fn laid_out(&self, corners: &Corners, map: u32) -> [f32; 2] {
+        self.mixed_uv(corners, self.uv_set(map))
+    }
+
+    /// The same at a hit.
+    #[inline(always)]
+    pub fn coordinates<S: Space>(&self, hit: &Hit, map: u32) -> [f32; 2] {
+        self.laid_out(&self.corners::<S>(hit), map)
     }
 
     /// Whether a ray meets a triangle from inside.
@@ -391,10 +395,10 @@ impl Scene {
 
     /// The shading normal after the normal map.
     #[inline(always)]
-    fn perturb_normal(&self, corners: &Corners, normal: Vec3, uv: [f32; 2], material: &Material) -> Vec3 {
-        let uvs = if self.uses_second(material, material.normal_map) { &self.second_uvs } else { &self.uvs };
-        let [u, v] = self.laid_out(corners, material, material.normal_map, uv);
-        let Some((tangent, bitangent)) = self.frame(corners, normal, uvs) else { return normal };
+    fn perturb_normal(&self, corners: &Corners, normal: Vec3, material: &Material) -> Vec3 {
+        let set = self.uv_set(material.normal_map);
+        let [u, v] = self.mixed_uv(corners, set);
+        let Some((tangent, bitangent)) = self.frame(corners, normal, set) else { return normal };
         let (x, y, z) = if material.flags & flags::HEIGHT != 0 {
             let (right, up) = self.textures.slope(material.normal_map, u, v);
             (-right, -up, 1.0)
@@ -414,17 +418,17 @@ impl Scene {
 
     /// Unit vectors along which u and v grow, at right angles to the normal; none where the mesh does not say.
     #[inline(always)]
-    fn frame(&self, corners: &Corners, normal: Vec3, uvs: &View<[f32; 2]>) -> Option<(Vec3, Vec3)> {
+    fn frame(&self, corners: &Corners, normal: Vec3, set: u32) -> Option<(Vec3, Vec3)> {
         let (mut tangent, mut handedness) = (Vec3::ZERO, 1.0);
         if !self.tangents.is_empty() {
-            let [x, y, z, w] = corners.mix_array(&self.tangents);
+            let [x, y, z, w] = corners.mix_array(&self.tangents, 0);
             (tangent, handedness) = (vec3(x, y, z), w);
             if let Some(transform) = &corners.transform {
                 (tangent, handedness) = (transform.vector(tangent), w * corners.handedness);
             }
         }
         if tangent.is_zero() {
-            (tangent, handedness) = self.derived_tangent(corners, uvs)?;
+            (tangent, handedness) = self.derived_tangent(corners, set)?;
         }
         let tangent = normal.mul_add(-normal.dot(tangent), tangent).normalize();
         let sign = if handedness < 0.0 { -1.0 } else { 1.0 };
@@ -433,12 +437,12 @@ impl Scene {
 
     /// The direction in which u grows over the triangle, and whether (u, v) is mirrored on it.
     #[inline(always)]
-    fn derived_tangent(&self, corners: &Corners, uvs: &View<[f32; 2]>) -> Option<(Vec3, f32)> {
-        if uvs.is_empty() {
+    fn derived_tangent(&self, corners: &Corners, set: u32) -> Option<(Vec3, f32)> {
+        if self.uvs.is_empty() {
             return None;
         }
         let [p0, p1, p2] = self.positions(corners);
-        let [t0, t1, t2] = corners.vertices.map(|vertex| uvs.at(vertex));
+        let [t0, t1, t2] = corners.vertices.map(|vertex| self.uvs.at(set + vertex));
         let (du1, dv1, du2, dv2) = (t1[0] - t0[0], t1[1] - t0[1], t2[0] - t0[0], t2[1] - t0[1]);
         let area = arch::fma(du1, dv2, -(du2 * dv1));
         let tangent = ((p1 - p0) * dv2 - (p2 - p0) * dv1) * if area < 0.0 { -1.0 } else { 1.0 };

@@ -52,8 +52,8 @@ macro_rules! for_each_lab_kernel {
             all_bvh8w: $crate::product::kernels::All<$crate::structures::Bvh8w>,
             all_bvh8f: $crate::product::kernels::All<$crate::product::traversal::Bvh8f>,
             all_staged: $crate::product::kernels::All<$crate::structures::Staged>,
-            whitted_brute_clocked: $crate::product::kernels::Whitted<$crate::product::traversal::Instances<$crate::product::traversal::Brute>, $crate::clocks::Clocks>,
-            whitted_kd_clocked: $crate::product::kernels::Whitted<$crate::product::traversal::Instances<$crate::product::traversal::KdTree>, $crate::clocks::Clocks>,
+            whitted_brute_clocked: $crate::product::kernels::Whitted<$crate::product::traversal::Brute, $crate::clocks::Clocks>,
+            whitted_kd_clocked: $crate::product::kernels::Whitted<$crate::product::traversal::KdTree, $crate::clocks::Clocks>,
             whitted_bvh2_clocked: $crate::product::kernels::Whitted<$crate::product::traversal::Bvh2, $crate::clocks::Clocks>,
         }
     };

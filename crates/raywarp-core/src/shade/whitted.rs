@@ -142,7 +142,7 @@ impl<S: Structure, C: Counter> Tracer<'_, S, C> {
             if index == NO_TEXTURE {
                 return Vec3::ONE;
             }
-            let [u, v] = self.scene.coordinates::<S::Space>(hit, material, index, surface.uv);
+            let [u, v] = self.scene.coordinates::<S::Space>(hit, index);
             self.scene.textures.sample(index, u, v).color
         };
         let mut specular = material.specular * map(material.specular_map);

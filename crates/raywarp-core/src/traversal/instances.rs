@@ -1,13 +1,14 @@
 //! Any structure for the meshes under a tree of instances, one traversal within the other.
 //!
 //! Instances are found, and rays brought to them, as in [`two_level`](super::two_level), whose proof holds here too: a hit has
-//! the same bits. That one is a single loop, which keeps the threads of a warp together; this one takes any structure. A scene
-//! in world space is one instance that leaves every ray as it is, and has no tree above it.
+//! the same bits. That one is a single loop, which keeps the threads of a warp together; this one takes any structure. GPUs have
+//! no kernels for it: there a k-d tree within a tree takes more than twice the time of one.
 
 use super::bvh2::{Child, Node};
 use super::slabs::{descend, Slabs};
 use super::two_level::{may_hit, Instance, Place, MAX_UPPER_DEPTH};
 use super::{Counter, MeshSpace, Structure, Visitor};
+use crate::name::Name;
 use crate::ray::Ray;
 use crate::stack::{Stack, Storage};
 use crate::triangle::{RayShear, Triangle};
@@ -34,14 +35,12 @@ pub struct Instances<B: MeshStructure> {
     pub nodes: View<Node>,
     /// Placed meshes; their [roots](Instance::root) link to a part as if it were a node.
     pub instances: View<Instance>,
-    /// The tree's root, or the only instance.
-    pub root: Child,
     /// As of a [`TwoLevel`](super::TwoLevel).
     pub slack: f32,
 }
 
 impl<B: MeshStructure> Structure for Instances<B> {
-    const NAME: &'static str = B::NAME;
+    const NAME: &'static str = const { &Name::of([B::NAME, "_instances", ""]) }.text();
     type Space = MeshSpace;
 
     #[inline(always)]
@@ -53,7 +52,7 @@ impl<B: MeshStructure> Structure for Instances<B> {
         let mut storage = Storage::<Child, { MAX_UPPER_DEPTH + 1 }>::new();
         let mut stack = Stack::new(&mut storage);
         let mut t_far = world.t_max;
-        let mut next = Some(self.root);
+        let mut next = Some(Child::node(0));
         while let Some(child) = next {
             let Some(leaf) = descend(&self.nodes, child, &slabs, t_far, &mut stack, counter) else { return };
             let instance = self.instances.load(leaf.index());

@@ -34,6 +34,17 @@ pub enum BuildError {
         /// What cannot trace it.
         device: String,
     },
+    /// The same, where meshes are placed by instances.
+    #[error(
+        "the structure {structure} has no kernels for {device} where a scene's meshes are placed by instances; bvh has, and \
+         CPUs trace both"
+    )]
+    NoInstances {
+        /// Which.
+        structure: AccelKind,
+        /// What cannot trace it.
+        device: String,
+    },
     /// An instance of nothing.
     #[error("instance {placement} is of mesh {mesh}, but there are {count}")]
     NoSuchMesh {

@@ -3,7 +3,7 @@
 use raywarp_scene::settings::{AccelKind, Quality, RenderDefaults};
 
 use raywarp_core::kernels::Closest;
-use raywarp_core::traversal::Bvh8f;
+use raywarp_core::traversal::{Brute, Bvh8f, Instances, KdTree};
 
 use super::BuildError;
 use crate::device::Device;
@@ -26,6 +26,16 @@ pub(crate) fn check_device(kind: AccelKind, device: &Device) -> Result<(), Build
         }
         _ => Ok(()),
     }
+}
+
+/// Whether a structure of each mesh under instances can be traced on a device.
+pub(crate) fn check_instances(kind: AccelKind, device: &Device) -> Result<(), BuildError> {
+    let (structure, device) = match kind {
+        AccelKind::Brute if !device.has_kernel::<Closest<Instances<Brute>>>() => (kind, device.description()),
+        AccelKind::Kd if !device.has_kernel::<Closest<Instances<KdTree>>>() => (kind, device.description()),
+        _ => return Ok(()),
+    };
+    Err(BuildError::NoInstances { structure, device })
 }
 
 /// What to build.

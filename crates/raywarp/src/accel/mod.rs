@@ -39,9 +39,9 @@ pub mod kdtree_arrays;
 pub mod kdtree_median;
 mod kind;
 mod leaves;
-mod placements;
 mod reinsertion;
 mod resident;
+mod resident_instances;
 mod spatial;
 mod stats;
 mod topdown;
@@ -60,7 +60,7 @@ use raywarp_core::triangle::Triangle;
 pub use crate::scene::settings::{AccelKind, Quality, UnknownKind, UnknownQuality};
 pub use boxes::{TreeBox, MAX_BOXES};
 pub use error::{BuildError, Invalid};
-pub(crate) use kind::check_device;
+pub(crate) use kind::{check_device, check_instances};
 pub use kind::{fastest_on, Build};
 #[doc(no_inline)]
 pub use raywarp_core::traversal;
@@ -68,6 +68,7 @@ pub use resident::{
     Rendered, Resident, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd, ResidentQuantized,
     ResidentTwoLevel,
 };
+pub use resident_instances::{ResidentKdTrees, ResidentLists};
 pub use stats::{TreeStats, NODE_COST, TRIANGLE_COST};
 #[doc(hidden)]
 pub use triangles::is_finite;

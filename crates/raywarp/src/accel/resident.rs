@@ -1,13 +1,12 @@
 //! Structures in the memory of a device: their arrays, and what kernels are given of them.
 
 use raywarp_core::math::Vec3;
-use raywarp_core::traversal::{self, bvh2, bvh2_quantized, bvh8f, kdtree, Instances, QuantizedBvh2, Structure};
+use raywarp_core::traversal::{self, bvh2, bvh2_quantized, bvh8f, kdtree, QuantizedBvh2, Structure};
 use raywarp_core::triangle::Triangle;
 use raywarp_device::kernels::Views;
 
 use super::boxes::{self, TreeBox};
 use super::kdtree::KdTree;
-use super::placements::Placements;
 use super::two_level::{TwoLevel, UpperTree};
 use super::{brute, bvh2_dual, bvh2_quantized as host};
 use crate::device::{Buffer, Device, DeviceError};
@@ -68,10 +67,8 @@ macro_rules! resident {
 }
 
 resident! {
-    ResidentBrute: Instances<traversal::Brute>, list => {
-        list.placements.view(traversal::Brute { triangles: list.triangles.view() }, list.parts.view())
-    };
-    ResidentKd: Instances<traversal::KdTree>, tree => tree.placements.view(tree.view(), tree.parts.view());
+    ResidentBrute: traversal::Brute, list => traversal::Brute { triangles: list.triangles.view() };
+    ResidentKd: traversal::KdTree, tree => tree.view();
     ResidentBvh2: traversal::Bvh2, tree => tree.view();
     ResidentQuantized: QuantizedBvh2, tree => tree.view();
     ResidentBvh8f: traversal::Bvh8f, tree => {
@@ -85,42 +82,18 @@ resident! {
     };
 }
 
-/// Lists of triangles on a device, one a mesh.
+/// A list of triangles on a device.
 pub struct ResidentBrute {
     triangles: Buffer<Triangle>,
-    parts: Buffer<[u32; 2]>,
-    placements: Placements,
 }
 
 impl ResidentBrute {
-    /// Copies one in world space there.
+    /// Copies it there.
     ///
     /// # Errors
     /// The device has no room.
     pub fn upload(device: &Device, list: &brute::Brute) -> Result<Self, DeviceError> {
-        Ok(Self {
-            triangles: device.upload(list.triangles())?,
-            parts: device.upload(&[[0, list.triangles().len() as u32]])?,
-            placements: Placements::in_world(device)?,
-        })
-    }
-
-    /// Takes over where instances are now.
-    pub(crate) fn set_instances(&mut self, upper: &UpperTree) -> Result<(), DeviceError> {
-        self.placements.set(upper)
-    }
-
-    /// Those of instances, without the trees of the meshes.
-    ///
-    /// # Errors
-    /// The device has no room.
-    pub fn of_instances(device: &Device, tree: &TwoLevel) -> Result<Self, DeviceError> {
-        let parts: Vec<_> = tree.meshes().map(|part| [part.start as u32, part.len() as u32]).collect();
-        Ok(Self {
-            triangles: device.upload(tree.triangles())?,
-            parts: device.upload(&parts)?,
-            placements: Placements::of(device, tree)?,
-        })
+        Ok(Self { triangles: device.upload(list.triangles())? })
     }
 }
 
@@ -131,58 +104,25 @@ unsafe impl Rendered for ResidentBrute {
     }
 }
 
-/// K-d trees on a device, one a mesh.
+/// A k-d tree on a device.
 pub struct ResidentKd {
     nodes: Buffer<kdtree::Node>,
     references: Buffer<u32>,
     triangles: Buffer<Triangle>,
-    parts: Buffer<kdtree::KdPart>,
     bounds: [Vec3; 2],
-    placements: Placements,
 }
 
 impl ResidentKd {
-    /// Copies one in world space there.
+    /// Copies it there.
     ///
     /// # Errors
     /// The device has no room.
     pub fn upload(device: &Device, tree: &KdTree) -> Result<Self, DeviceError> {
-        Self::of(device, std::slice::from_ref(tree), Placements::in_world(device)?)
-    }
-
-    /// Takes over where instances are now.
-    pub(crate) fn set_instances(&mut self, upper: &UpperTree) -> Result<(), DeviceError> {
-        self.placements.set(upper)
-    }
-
-    /// Those of instances: `trees` are of the meshes in their order.
-    ///
-    /// # Errors
-    /// The device has no room.
-    pub fn of_instances(device: &Device, tree: &TwoLevel, trees: &[KdTree]) -> Result<Self, DeviceError> {
-        Self::of(device, trees, Placements::of(device, tree)?)
-    }
-
-    fn of(device: &Device, trees: &[KdTree], placements: Placements) -> Result<Self, DeviceError> {
-        let (mut nodes, mut references, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
-        let add = |tree: &KdTree| {
-            let [low, high] = tree.bounds();
-            kdtree::KdPart {
-                nodes: append(&mut nodes, tree.nodes()),
-                references: append(&mut references, tree.references()),
-                triangles: append(&mut triangles, tree.triangles()),
-                low,
-                high,
-            }
-        };
-        let parts: Vec<_> = trees.iter().map(add).collect();
         Ok(Self {
-            nodes: device.upload(&nodes)?,
-            references: device.upload(&references)?,
-            triangles: device.upload(&triangles)?,
-            bounds: trees.first().map_or([Vec3::ZERO; 2], KdTree::bounds),
-            parts: device.upload(&parts)?,
-            placements,
+            nodes: device.upload(tree.nodes())?,
+            references: device.upload(tree.references())?,
+            triangles: device.upload(tree.triangles())?,
+            bounds: tree.bounds(),
         })
     }
 
@@ -369,11 +309,4 @@ impl ResidentTwoLevel {
             upper: tree.upper_nodes(),
         })
     }
-}
-
-/// Adds items at the end of others; where they begin there, and how many they are.
-fn append<T: Copy>(all: &mut Vec<T>, items: &[T]) -> [u32; 2] {
-    let first = all.len() as u32;
-    all.extend_from_slice(items);
-    [first, items.len() as u32]
 }

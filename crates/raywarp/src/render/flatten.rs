@@ -48,7 +48,8 @@ impl Layout {
     fn of(scene: &Scene, instances: &[Instance]) -> Self {
         let any = |has: fn(&Mesh) -> bool| instances.iter().filter_map(|i| scene.meshes.get(i.mesh)).any(has);
         Self {
-            uvs: any(|mesh| !mesh.uvs.is_empty()),
+            // The second ones lie behind the first.
+            uvs: any(|mesh| !mesh.uvs.is_empty() || !mesh.second_uvs.is_empty()),
             second_uvs: any(|mesh| !mesh.second_uvs.is_empty()),
             colors: any(|mesh| !mesh.colors.is_empty()),
             tangents: any(|mesh| !mesh.tangents.is_empty()),

@@ -75,7 +75,6 @@ impl List {
         let transmits = material.transmission != [0.0; 3];
         bits |= if material.single_sided && !transmits { flags::SINGLE_SIDED } else { 0 };
         bits |= if transmits && material.absorption != [0.0; 3] { flags::VOLUME } else { 0 };
-        bits |= if uses_second_uvs(material) { flags::SECOND_UVS } else { 0 };
         Material {
             ambient: match self.ambient {
                 Ambient::Own => material.ambient.into(),
@@ -122,15 +121,6 @@ impl List {
         });
         self.textures.len() as u32 - 1
     }
-}
-
-fn uses_second_uvs(material: &scene::Material) -> bool {
-    let maps = [&material.diffuse_map, &material.specular_map, &material.emission_map, &material.opacity_map];
-    let normal_map = match &material.normal_map {
-        Some(NormalMap::Tangent { texture, .. } | NormalMap::Height { texture, .. }) => Some(texture),
-        None => None,
-    };
-    maps.into_iter().flatten().chain(normal_map).any(|texture| texture.uv_set == UvSet::Second)
 }
 
 fn mode_of(texture: &scene::Texture) -> u32 {

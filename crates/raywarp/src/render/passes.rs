@@ -12,8 +12,8 @@ use raywarp_device::kernels::Launchable;
 
 use crate::accel::two_level::TwoLevel;
 use crate::accel::{
-    Accel, AccelKind, Rendered, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd,
-    ResidentQuantized, ResidentTwoLevel, TreeBox,
+    check_instances, Accel, AccelKind, Rendered, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd,
+    ResidentKdTrees, ResidentLists, ResidentQuantized, ResidentTwoLevel, TreeBox,
 };
 use crate::device::{Device, DeviceError};
 use crate::query::kernels::QueryKernels;
@@ -105,9 +105,10 @@ pub(crate) fn upload_instances(
     kind: AccelKind,
     tree: &TwoLevel,
 ) -> Result<Box<dyn FrameKernels>, RenderError> {
+    check_instances(kind, device)?;
     Ok(match kind {
-        AccelKind::Brute => Box::new(ResidentBrute::of_instances(device, tree)?),
-        AccelKind::Kd => Box::new(ResidentKd::of_instances(device, tree, &tree.kd_trees()?)?),
+        AccelKind::Brute => Box::new(ResidentLists::upload(device, tree)?),
+        AccelKind::Kd => Box::new(ResidentKdTrees::upload(device, tree, &tree.kd_trees()?)?),
         _ => Box::new(ResidentTwoLevel::upload(device, tree)?),
     })
 }

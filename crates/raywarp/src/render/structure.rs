@@ -7,7 +7,7 @@ use raywarp_core::screen::{AovRanges, DrawAov, ToneMapFilm};
 
 use crate::accel::two_level::{InstancedStats, Plan, TwoLevel, UpperTree};
 use crate::accel::{
-    cache, check_device, Accel, AccelKind, Build, Quality, Rendered, ResidentBrute, ResidentKd, ResidentTwoLevel,
+    cache, check_device, Accel, AccelKind, Build, Quality, Rendered, ResidentKdTrees, ResidentLists, ResidentTwoLevel,
     TreeBox, TreeStats,
 };
 use crate::device::Device;
@@ -116,9 +116,9 @@ impl Structure {
         let resident: &mut dyn Any = &mut *self.resident;
         if let Some(tree) = resident.downcast_mut::<ResidentTwoLevel>() {
             tree.set_instances(upper)?;
-        } else if let Some(trees) = resident.downcast_mut::<ResidentKd>() {
+        } else if let Some(trees) = resident.downcast_mut::<ResidentKdTrees>() {
             trees.set_instances(upper)?;
-        } else if let Some(lists) = resident.downcast_mut::<ResidentBrute>() {
+        } else if let Some(lists) = resident.downcast_mut::<ResidentLists>() {
             lists.set_instances(upper)?;
         }
         Ok(true)

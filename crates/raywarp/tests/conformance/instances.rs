@@ -125,9 +125,10 @@ fn pictures_know_instances() {
     let materials = scene.materials.len() as u32;
     scene.instances.iter_mut().step_by(7).zip(0..).for_each(|(copy, i)| copy.material = Some(i % materials));
     let on_cpu = picture(&scene, Levels::Two, AccelKind::Bvh, &reference());
+    assert!(picture(&scene, Levels::Two, AccelKind::Bvh, &device()) == on_cpu);
     // Every structure, brute force too, brings a ray to an instance by the same rounding.
-    for kind in [AccelKind::Bvh, AccelKind::Brute, AccelKind::Kd] {
-        assert!(picture(&scene, Levels::Two, kind, &device()) == on_cpu, "{kind}");
+    for kind in [AccelKind::Brute, AccelKind::Kd] {
+        assert!(picture(&scene, Levels::Two, kind, &reference()) == on_cpu, "{kind}");
     }
     let in_world = picture(&scene, Levels::One, AccelKind::Bvh, &reference());
     let differs = |(a, b): &(&[f32; 4], &[f32; 4])| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > 0.02);
@@ -149,8 +150,8 @@ fn queries_find_the_same_in_every_structure_of_instances() {
         (caster.hits(&rays).unwrap(), caster.count(&rays).unwrap())
     };
     let (hits, counts) = with(AccelKind::Bvh, &reference());
-    for kind in [AccelKind::Bvh, AccelKind::Brute, AccelKind::Kd] {
-        let (found, counted) = with(kind, &device());
+    for (kind, device) in [(AccelKind::Bvh, device()), (AccelKind::Brute, reference()), (AccelKind::Kd, reference())] {
+        let (found, counted) = with(kind, &device);
         let differing = hits.iter().zip(&found).filter(|(a, b)| bits(a) != bits(b)).count();
         assert_eq!(differing, 0, "{kind}");
         assert!(counted == counts, "{kind}");
@@ -165,12 +166,12 @@ fn an_instance_that_moves_looks_as_if_it_had_been_there() {
         copy.transform.translation[i % 3] += 4.0;
         copy.transform.columns[i % 3] = copy.transform.columns[i % 3].map(|x| -1.5 * x);
     }
-    for kind in [AccelKind::Bvh, AccelKind::Brute, AccelKind::Kd] {
-        let mut tracer = Tracer::with_levels(&original, Levels::Two, kind, &device()).unwrap();
+    for (kind, device) in [(AccelKind::Bvh, device()), (AccelKind::Brute, reference()), (AccelKind::Kd, reference())] {
+        let mut tracer = Tracer::with_levels(&original, Levels::Two, kind, &device).unwrap();
         assert!(tracer.structure().has_instances());
         let indices: Vec<usize> = (1..40).step_by(3).collect();
         assert!(tracer.move_instances(&original, &moved.instances, &indices).unwrap());
-        let fresh = Tracer::with_levels(&moved, Levels::Two, kind, &device()).unwrap();
+        let fresh = Tracer::with_levels(&moved, Levels::Two, kind, &device).unwrap();
         let options = RenderOptions { size: [96, 64], ..RenderOptions::default() };
         let camera = framing(fresh.report().bounds);
         let [a, b] = [&tracer, &fresh].map(|t| t.render(&camera, &options, &mut |_| ()).unwrap().picture);
@@ -179,5 +180,16 @@ fn an_instance_that_moves_looks_as_if_it_had_been_there() {
         moved.instances[1].transform.columns[0] = [0.0; 3];
         assert!(!tracer.move_instance(&original, &moved.instances, 1).unwrap());
         moved.instances[1].transform.columns[0] = original.instances[1].transform.columns[0].map(|x| -1.5 * x);
+    }
+}
+
+#[test]
+fn structures_without_kernels_for_instances_are_refused_on_a_gpu() {
+    let refused = |kind| Tracer::with_levels(&copies(20), Levels::Two, kind, &device()).err();
+    for kind in [AccelKind::Brute, AccelKind::Kd] {
+        match refused(kind) {
+            Some(error) => assert!(error.to_string().contains("placed by instances"), "{error}"),
+            None => assert!(!device().is_cuda(), "{kind}"),
+        }
     }
 }

@@ -59,9 +59,9 @@ macro_rules! resident {
 }
 
 resident! {
-    ResidentStaged: kernels::Staged, list => kernels::Staged { triangles: list.0.short().meshes.triangles },
+    ResidentStaged: kernels::Staged, list => kernels::Staged { triangles: list.0.short().triangles },
         level => list.0.boxes(level);
-    ResidentTrail: kernels::KdTrail, tree => kernels::KdTrail { tree: tree.0.short().meshes },
+    ResidentTrail: kernels::KdTrail, tree => kernels::KdTrail { tree: tree.0.short() },
         level => tree.0.boxes(level);
     ResidentWide<bvh4::Node>: kernels::Bvh4,
         tree => kernels::Bvh4 { nodes: tree.nodes.view(), triangles: tree.triangles.view() },
