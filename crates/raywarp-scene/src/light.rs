@@ -116,9 +116,11 @@ const LIGHT: &[Parameter<Light>] = &[
             LightKind::Point { position } | LightKind::Spot { position, .. } => Some(Value::Triple(position)),
             LightKind::Directional { .. } => None,
         },
-        write: |light, value| match (&mut light.kind, value) {
-            (LightKind::Point { position } | LightKind::Spot { position, .. }, Value::Triple(to)) => *position = to,
-            _ => {}
+        write: |light, value| {
+            use LightKind::{Point, Spot};
+            if let (Point { position } | Spot { position, .. }, Value::Triple(to)) = (&mut light.kind, value) {
+                *position = to;
+            }
         },
     },
     Parameter {
@@ -132,11 +134,11 @@ const LIGHT: &[Parameter<Light>] = &[
             LightKind::Directional { direction } | LightKind::Spot { direction, .. } => Some(Value::Triple(direction)),
             LightKind::Point { .. } => None,
         },
-        write: |light, value| match (&mut light.kind, value) {
-            (LightKind::Directional { direction } | LightKind::Spot { direction, .. }, Value::Triple(to)) => {
+        write: |light, value| {
+            use LightKind::{Directional, Spot};
+            if let (Directional { direction } | Spot { direction, .. }, Value::Triple(to)) = (&mut light.kind, value) {
                 *direction = to;
             }
-            _ => {}
         },
     },
     Parameter {

@@ -68,7 +68,7 @@ pub enum Command {
     /// Ask many rays what they hit: the closest, any, all of it, or how much
     Query(QueryOptions),
     /// Show a scene in browsers, here or through ssh, and let people walk through it
-    Serve(ServeOptions),
+    Serve(Box<ServeOptions>),
     /// Show what is in a scene: counts, bounds, materials, memory, quality of the trees
     Info(InfoOptions),
     /// Measure rays a second: primary, shadow, ambient occlusion, diffuse and random, beside other ray tracers

@@ -39,13 +39,12 @@ macro_rules! settings {
         /// `None` leaves an option to the next one asked, in the end to raywarp.
         #[derive(Clone, Copy, Debug, Default, PartialEq)]
         pub struct RenderDefaults {
-            $(#[doc = $meaning] #[doc = "."] pub $field: Option<$type>,)*
+            $(#[doc = concat!($meaning, ".")] pub $field: Option<$type>,)*
         }
 
         impl RenderDefaults {
             $($(
-                #[doc = $meaning]
-                #[doc = ": what is given, else raywarp's own default."]
+                #[doc = concat!($meaning, ": what is given, else raywarp's own default.")]
                 pub fn $field(&self) -> $type {
                     self.$field.unwrap_or($usual)
                 }
