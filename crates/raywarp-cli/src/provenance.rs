@@ -89,7 +89,10 @@ fn add(hash: &mut Xxh3, file: &Path) -> std::io::Result<u64> {
     if !std::fs::metadata(file)?.is_file() {
         return Err(std::io::ErrorKind::InvalidInput.into());
     }
-    let (mut file, mut total, mut buffer) = (File::open(file)?, 0, vec![0; 1 << 20]);
+    let file = File::open(file)?;
+    // One that grows ends where it ended when it was opened.
+    let length = file.metadata()?.len();
+    let (mut file, mut total, mut buffer) = (file.take(length), 0, vec![0; 1 << 20]);
     loop {
         let read = file.read(&mut buffer)?;
         if read == 0 {

@@ -231,7 +231,7 @@ fn a_reset_is_taken_back_and_so_are_the_steps_before_it() {
     session.ctrl("z");
     assert_eq!((state(&session), value(&session, "look.frame_rate")), (before.clone(), Value::Number(30.0)));
     session.ctrl("z");
-    assert_eq!(session.row("light.0.position").changed, false);
+    assert!(!session.row("light.0.position").changed);
     assert_eq!(state(&session)[2..], before[2..], "options that were not reset stay");
     session.ctrl("z");
     assert!(!session.row("light.0.intensity").changed);

@@ -92,7 +92,7 @@ fn grid(side: usize) -> String {
 fn it_ends_at_once_while_a_scene_is_read_its_tree_is_built_and_it_is_shown() {
     let Some(screen) = Screen::open() else { return };
     let place = Place::new();
-    place.write("grid.obj", &grid(700));
+    place.write("grid.obj", grid(700));
     for milliseconds in [50, 1000, 3000] {
         for (by_signal, code) in [(false, 0), (true, 130)] {
             let mut shown = screen.view(&place, &["grid.obj"]);
