@@ -31,7 +31,7 @@ pub struct ServeOptions {
     /// Address to listen at: of this machine only as it stands, 0.0.0.0 for all networks
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1", help_heading = "Network")]
     pub host: String,
-    /// Let in only who knows a secret, which is made at random and printed; for any other address than this machine's
+    /// Let in only who has the printed address, which works once, or a secret; for any other address than this machine's
     /// own there always is one
     #[arg(long, help_heading = "Network")]
     pub token: bool,
