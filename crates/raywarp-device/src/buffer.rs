@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use raywarp_core::view::{Plain, View, ViewMut};
+use raywarp_core::view::Plain;
 
 use super::cuda::CudaBuffer;
 use super::{DeviceError, Machine};
@@ -10,12 +10,12 @@ use super::{DeviceError, Machine};
 /// An array in the memory of the device that made it; freed when dropped.
 #[derive(Debug)]
 pub struct Buffer<T: Plain> {
-    storage: Storage<T>,
+    pub(crate) storage: Storage<T>,
     len: u32,
 }
 
 #[derive(Debug)]
-enum Storage<T: Plain> {
+pub(crate) enum Storage<T: Plain> {
     Host(Vec<T>),
     Cuda(CudaBuffer<T>),
 }
@@ -144,34 +144,6 @@ impl<T: Plain> Buffer<T> {
             Storage::Host(items) => Ok(items),
             Storage::Cuda(buffer) => buffer.download(self.len as usize),
         }
-    }
-
-    /// The items, for a kernel that is launched by hand to read.
-    ///
-    /// # Safety
-    /// Nothing reads them after the buffer is gone, while they are written, or on another machine than the buffer's.
-    pub unsafe fn lend(&self) -> View<T> {
-        let address = match &self.storage {
-            _ if self.len == 0 => return View::EMPTY,
-            Storage::Host(items) => items.as_ptr(),
-            Storage::Cuda(buffer) => buffer.address() as *const T,
-        };
-        // SAFETY: the address and length are the buffer's own, the rest is the caller's promise.
-        unsafe { View::new(address, self.len) }
-    }
-
-    /// The items, for a kernel that is launched by hand to write.
-    ///
-    /// # Safety
-    /// As for [`lend`](Self::lend), and nothing else touches what is written.
-    pub unsafe fn lend_mut(&mut self) -> ViewMut<T> {
-        let address = match &mut self.storage {
-            _ if self.len == 0 => return ViewMut::EMPTY,
-            Storage::Host(items) => items.as_mut_ptr(),
-            Storage::Cuda(buffer) => buffer.address() as *mut T,
-        };
-        // SAFETY: as in `lend`; exclusive through `&mut self`.
-        unsafe { ViewMut::new(address, self.len) }
     }
 }
 

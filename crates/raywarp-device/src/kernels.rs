@@ -2,9 +2,10 @@
 
 use raywarp_core::view::{Plain, View, ViewMut};
 
+use crate::buffer::Storage;
 pub use crate::launchable::Launchable;
+pub use crate::mark::Timed;
 pub use crate::pace::Pace;
-pub use crate::stream::Launch;
 use crate::Buffer;
 
 /// The items of a buffer as kernels have them. What a view holds is an address of the device: only kernels follow it, and
@@ -19,12 +20,24 @@ pub trait Views<T: Plain> {
 
 impl<T: Plain> Views<T> for Buffer<T> {
     fn view(&self) -> View<T> {
-        // SAFETY: nothing but a launch follows it, whose contract says the rest.
-        unsafe { self.lend() }
+        let address = match &self.storage {
+            _ if self.is_empty() => return View::EMPTY,
+            Storage::Host(items) => items.as_ptr(),
+            Storage::Cuda(buffer) => buffer.address() as *const T,
+        };
+        // SAFETY: the address and length are the buffer's own, the rest is part of the contract of `Device::launch`, the
+        // only place where a view is followed.
+        unsafe { View::new(address, self.len()) }
     }
 
     fn view_mut(&mut self) -> ViewMut<T> {
-        // SAFETY: as above.
-        unsafe { self.lend_mut() }
+        let len = self.len();
+        let address = match &mut self.storage {
+            _ if len == 0 => return ViewMut::EMPTY,
+            Storage::Host(items) => items.as_mut_ptr(),
+            Storage::Cuda(buffer) => buffer.address() as *mut T,
+        };
+        // SAFETY: as in `view`; exclusive through `&mut self`.
+        unsafe { ViewMut::new(address, len) }
     }
 }

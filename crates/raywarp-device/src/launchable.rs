@@ -2,7 +2,6 @@
 
 use raywarp_core::kernels::Kernel;
 
-use super::stream::Launch;
 use super::{Device, DeviceError, KernelInfo, Stream};
 
 /// What can be done with a kernel whose type is not known where it is done: structures give such.
@@ -14,7 +13,7 @@ pub trait Launchable {
     ///
     /// # Errors
     /// As there.
-    unsafe fn launch(&self, device: &Device, extent: [u32; 2]) -> Result<f64, DeviceError>;
+    unsafe fn launch(&self, device: &Device, extent: [u32; 2]) -> Result<(), DeviceError>;
 
     /// See [`Stream::launch`].
     ///
@@ -23,7 +22,7 @@ pub trait Launchable {
     ///
     /// # Errors
     /// As there.
-    unsafe fn launch_on(&self, stream: &Stream, extent: [u32; 2]) -> Result<Launch, DeviceError>;
+    unsafe fn launch_on(&self, stream: &Stream, extent: [u32; 2]) -> Result<(), DeviceError>;
 
     /// See [`Device::time`].
     ///
@@ -42,12 +41,12 @@ pub trait Launchable {
 }
 
 impl<K: Kernel> Launchable for K {
-    unsafe fn launch(&self, device: &Device, extent: [u32; 2]) -> Result<f64, DeviceError> {
+    unsafe fn launch(&self, device: &Device, extent: [u32; 2]) -> Result<(), DeviceError> {
         // SAFETY: the caller's promise.
         unsafe { device.launch(self, extent) }
     }
 
-    unsafe fn launch_on(&self, stream: &Stream, extent: [u32; 2]) -> Result<Launch, DeviceError> {
+    unsafe fn launch_on(&self, stream: &Stream, extent: [u32; 2]) -> Result<(), DeviceError> {
         // SAFETY: the caller's promise.
         unsafe { stream.launch(self, extent) }
     }

@@ -11,16 +11,21 @@ mod error;
 mod kernel_info;
 pub mod kernels;
 mod launchable;
+mod mark;
 mod module;
 mod pace;
 mod staging;
 mod stream;
 mod survey;
 
+use std::time::Instant;
+
 pub use buffer::Buffer;
 pub use choice::{DeviceChoice, ParseDeviceError};
 pub use error::DeviceError;
 pub use kernel_info::KernelInfo;
+pub use mark::Mark;
+use mark::Point;
 pub use module::Module;
 pub use raywarp_core::kernels::Kernel;
 pub use raywarp_core::view::{Plain, View, ViewMut};
@@ -237,19 +242,34 @@ impl Device {
         }
     }
 
-    /// Runs a kernel, one thread for each column and row of `extent`, and waits for it. Returns the seconds it took on
-    /// the device.
+    /// A point in the order of what this device has been told.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the device fails.
+    pub fn mark(&self) -> Result<Mark, DeviceError> {
+        Ok(Mark::new(match &self.machine {
+            Machine::Cpu => Point::Passed(Instant::now()),
+            Machine::Cuda(gpu) => Point::Cuda(gpu.mark()?),
+        }))
+    }
+
+    /// Enqueues a kernel, one thread for each column and row of `extent`, after all that the device was told before; on the
+    /// CPU it is over when this returns. Copies, clears and frees of buffers are told in the same order, so they wait for
+    /// it; that it failed is told by the next call that waits. [`Timed`](kernels::Timed) waits and takes the time.
     ///
     /// # Safety
-    /// The views in the kernel are of buffers of this device that outlive the call, those that it writes are of
-    /// buffers that nothing else uses meanwhile, and the indices that they hold are in range.
+    /// The views in the kernel are of buffers of this device, none of which is freed before the call returns; no kernel of
+    /// another stream touches those that it writes meanwhile, and the indices that they hold are in range.
     ///
     /// # Errors
     /// [`DeviceError`] where the launch fails.
-    pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<f64, DeviceError> {
+    pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<(), DeviceError> {
         match &self.machine {
-            // SAFETY: the caller's promise.
-            Machine::Cpu => Ok(unsafe { cpu::launch(kernel, extent, self.block) }),
+            Machine::Cpu => {
+                // SAFETY: the caller's promise.
+                unsafe { cpu::launch(kernel, extent, self.block) };
+                Ok(())
+            }
             // SAFETY: the caller's promise.
             Machine::Cuda(gpu) => unsafe { gpu.launch(kernel, extent, self.block) },
         }

@@ -1,10 +1,12 @@
-//! Launches that are waited for later.
+//! Queues beside the one that a device has itself.
 
 use std::fmt;
+use std::time::Instant;
 
 use raywarp_core::kernels::Kernel;
 
-use super::{cpu, cuda, DeviceError, Machine};
+use super::mark::Point;
+use super::{cpu, cuda, DeviceError, Machine, Mark};
 
 /// A queue of kernels: those of one stream run one after the other, those of several may run at once.
 #[derive(Clone)]
@@ -45,48 +47,46 @@ impl Stream {
         }
     }
 
-    /// Starts a kernel after those launched before, once the device has done what it was told before.
+    /// What comes next on this stream waits for all that the device has been told so far.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the device fails.
+    pub fn follow(&self) -> Result<(), DeviceError> {
+        match &self.queue {
+            Queue::Cpu => Ok(()),
+            Queue::Cuda(stream) => stream.follow(),
+        }
+    }
+
+    /// A point in the order of what this stream has been told.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the device fails.
+    pub fn mark(&self) -> Result<Mark, DeviceError> {
+        Ok(Mark::new(match &self.queue {
+            Queue::Cpu => Point::Passed(Instant::now()),
+            Queue::Cuda(stream) => Point::Cuda(stream.mark()?),
+        }))
+    }
+
+    /// Enqueues a kernel after those launched before on this stream, and on nothing else but what the stream was told to
+    /// [follow](Self::follow). On the CPU it is over when this returns.
     ///
     /// # Safety
-    /// As for [`Device::launch`](super::Device::launch), until the launch has been waited for.
+    /// As for [`Device::launch`](super::Device::launch), and until a [`mark`](Self::mark) behind it was waited for nothing
+    /// else touches what the kernel writes, nor frees what it reads.
     ///
     /// # Errors
     /// [`DeviceError`] where the launch fails.
-    pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<Launch, DeviceError> {
-        Ok(match &self.queue {
+    pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<(), DeviceError> {
+        match &self.queue {
+            Queue::Cpu => {
+                // SAFETY: the caller's promise.
+                unsafe { cpu::launch(kernel, extent, None) };
+                Ok(())
+            }
             // SAFETY: the caller's promise.
-            Queue::Cpu => Launch::done(unsafe { cpu::launch(kernel, extent, None) }),
-            // SAFETY: the caller's promise.
-            Queue::Cuda(stream) => Launch(State::Running(unsafe { stream.launch(kernel, extent) }?)),
-        })
-    }
-}
-
-/// A kernel under way, or done.
-#[derive(Debug)]
-pub struct Launch(State);
-
-#[derive(Debug)]
-enum State {
-    /// After so many seconds.
-    Done(f64),
-    Running(cuda::CudaLaunch),
-}
-
-impl Launch {
-    /// One that took so many seconds.
-    pub fn done(seconds: f64) -> Self {
-        Self(State::Done(seconds))
-    }
-
-    /// Waits for the kernel; returns the seconds it took on the device.
-    ///
-    /// # Errors
-    /// [`DeviceError`] where the kernel failed.
-    pub fn wait(&self) -> Result<f64, DeviceError> {
-        match &self.0 {
-            State::Done(seconds) => Ok(*seconds),
-            State::Running(launch) => launch.wait(),
+            Queue::Cuda(stream) => unsafe { stream.launch(kernel, extent) },
         }
     }
 }

@@ -1,12 +1,10 @@
 //! What the server takes for a slow link, and what a page sees meanwhile.
 
-mod common;
-
 use std::io::{Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
-use common::{event, hello, wheel, Client, House, Shown, LONG};
+use crate::common::{event, hello, wheel, Client, House, Shown, LONG};
 use serde_json::json;
 
 /// Reads for so long, and shows nothing: as a browser whose page is busy.

@@ -5,3 +5,4 @@
 mod common;
 mod serve;
 mod serve_crowd;
+mod serve_link;

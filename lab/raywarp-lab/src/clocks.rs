@@ -41,7 +41,7 @@ fn timed<R: Rendered>(tracer: &Tracer, pass: &Pass, structure: &R) -> Result<[u6
     let mut times = device.zeroed::<StageTimes>(pixels)?;
     let pass = Pass { film: film.view_mut(), ticks: ViewMut::EMPTY, ..*pass };
     let kernel = pass.whitted::<_, Clocks>(structure.long(), times.view_mut());
-    // SAFETY: the tracer holds structure and scene, and this the rest, until the kernel is done, which is when this returns.
+    // SAFETY: the tracer holds structure and scene, and this the rest, until the kernel is done, which is when `times` are there.
     unsafe { device.launch(&kernel, extent) }?;
     let add = |sum: [u64; 3], time: StageTimes| {
         let spent = [time.generation, time.intersection, time.shading];

@@ -2,7 +2,7 @@
 
 use raywarp_core::kernels::Kernel;
 use raywarp_core::traversal;
-use raywarp_device::kernels::Views;
+use raywarp_device::kernels::{Timed, Views};
 use raywarp_lab_core::sharing::paths::{Bounce, Paths, Trail, Waiting, Way};
 use raywarp_lab_core::sharing::sort::{Begin, Move, Sum, Tell, BINS, CELLS, RUNS};
 
@@ -195,6 +195,6 @@ impl PathBatch {
     fn launch<K: Kernel>(&self, kernel: &K, threads: u32) -> Result<f64, DeviceError> {
         // SAFETY: all buffers are the batch's own, of its device, and one launch ends before the next begins. Hits are
         // numbers of `triangles`; counts are below the number of rays, and so are places.
-        unsafe { self.device.launch(kernel, [threads, 1]) }
+        unsafe { Timed::launch(&self.device, kernel, [threads, 1]) }?.wait()
     }
 }

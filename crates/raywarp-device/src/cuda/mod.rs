@@ -17,7 +17,7 @@ use super::{DeviceError, DeviceInfo, KernelInfo, Module};
 pub(super) use buffer::CudaBuffer;
 pub(super) use pinned::Pinned;
 pub(super) use ptx::info as ptx_info;
-pub(super) use stream::{CudaLaunch, Stream, BLOCK_ROW};
+pub(super) use stream::{CudaMark, Stream, BLOCK_ROW};
 
 /// A CUDA device with the kernels that were needed so far.
 #[derive(Clone)]
@@ -118,9 +118,13 @@ impl Cuda {
         kernel: &K,
         extent: [u32; 2],
         block: Option<[u32; 2]>,
-    ) -> Result<f64, DeviceError> {
-        // SAFETY: the caller's promise, as the launch is waited for.
-        unsafe { stream::launch(self, self.stream(), kernel, stream::configuration(extent, block)) }?.wait()
+    ) -> Result<(), DeviceError> {
+        // SAFETY: the caller's promise.
+        unsafe { stream::launch(self, self.stream(), kernel, stream::configuration(extent, block)) }
+    }
+
+    pub fn mark(&self) -> Result<CudaMark, DeviceError> {
+        CudaMark::new(self, self.stream())
     }
 
     /// See [`stream::time`].

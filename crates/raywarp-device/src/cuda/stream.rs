@@ -1,5 +1,6 @@
 //! Kernels that run while the host goes on.
 
+use std::fmt;
 use std::sync::Arc;
 
 use cudarc::driver::{sys, CudaEvent, CudaStream, DeviceRepr, DriverError, LaunchConfig, PushKernelArg};
@@ -37,48 +38,46 @@ impl Stream {
         &self.gpu
     }
 
+    /// What comes next waits for all that the device's own stream has been told: it may still be clearing what a kernel
+    /// is about to use.
+    pub fn follow(&self) -> Result<(), DeviceError> {
+        let after = self.stream.join(self.gpu.stream());
+        after.map_err(|error| self.gpu.failed("put its streams in order", error))
+    }
+
+    pub fn mark(&self) -> Result<CudaMark, DeviceError> {
+        CudaMark::new(&self.gpu, &self.stream)
+    }
+
     /// # Safety
     /// As for [`launch`].
-    pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<CudaLaunch, DeviceError> {
-        // The device's own stream may still be clearing what this kernel is about to use.
-        let after = self.stream.join(self.gpu.stream());
-        after.map_err(|error| self.gpu.failed("put its streams in order", error))?;
+    pub unsafe fn launch<K: Kernel>(&self, kernel: &K, extent: [u32; 2]) -> Result<(), DeviceError> {
         // SAFETY: the caller's promise.
         unsafe { launch(&self.gpu, &self.stream, kernel, configuration(extent, None)) }
     }
 }
 
-/// Starts a kernel.
+/// Enqueues a kernel.
 ///
 /// # Safety
-/// As for [`Device::launch`](crate::Device::launch), until the launch has been waited for.
+/// As for [`Device::launch`](crate::Device::launch).
 pub(super) unsafe fn launch<K: Kernel>(
     gpu: &Cuda,
     stream: &CudaStream,
     kernel: &K,
     configuration: LaunchConfig,
-) -> Result<CudaLaunch, DeviceError> {
-    let mut started = CudaLaunch { gpu: gpu.clone(), name: K::NAME, events: None };
+) -> Result<(), DeviceError> {
     if is_empty(&configuration) {
-        return Ok(started);
+        return Ok(());
     }
     let function = gpu.function(K::NAME)?;
     gpu.check_block(&function, &configuration)?;
     let parameters = Parameters(*kernel);
-    let run = || -> Result<[CudaEvent; 2], DriverError> {
-        let timing = Some(sys::CUevent_flags::CU_EVENT_DEFAULT);
-        let (start, end) = (gpu.context().new_event(timing)?, gpu.context().new_event(timing)?);
-        start.record(stream)?;
-        let mut launch = stream.launch_builder(&function);
-        launch.arg(&parameters);
-        // SAFETY: the entry point takes exactly this parameter block; its views are the caller's promise.
-        unsafe { launch.launch(configuration) }?;
-        // A kernel that nobody can wait for must not outlive this call.
-        end.record(stream).or_else(|error| stream.synchronize().and(Err(error)))?;
-        Ok([start, end])
-    };
-    started.events = Some(run().map_err(|error| started.failed(error))?);
-    Ok(started)
+    let mut launch = stream.launch_builder(&function);
+    launch.arg(&parameters);
+    // SAFETY: the entry point takes exactly this parameter block; its views are the caller's promise.
+    let launched = unsafe { launch.launch(configuration) };
+    launched.map(drop).map_err(|error| gpu.failed(&format!("launched the kernel {}", K::NAME), error))
 }
 
 /// Queues all launches at once, the warm-up first, with an event after each that is timed: what the host does between them is then no part
@@ -138,24 +137,38 @@ pub(super) fn configuration(extent: [u32; 2], block: Option<[u32; 2]>) -> Launch
     }
 }
 
-/// A kernel under way: its start and its end. None for a launch without threads.
-#[derive(Debug)]
-pub(crate) struct CudaLaunch {
+/// An event that a stream comes by.
+pub(crate) struct CudaMark {
     gpu: Cuda,
-    name: &'static str,
-    events: Option<[CudaEvent; 2]>,
+    event: CudaEvent,
 }
 
-impl CudaLaunch {
-    /// Waits for the kernel; returns the seconds it took.
-    pub fn wait(&self) -> Result<f64, DeviceError> {
-        let Some([start, end]) = &self.events else { return Ok(0.0) };
-        end.synchronize().map_err(|error| self.failed(error))?;
-        let milliseconds = start.elapsed_ms(end).map_err(|error| self.failed(error))?;
-        Ok(f64::from(milliseconds) * 1e-3)
+impl fmt::Debug for CudaMark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "CudaMark({})", self.gpu.description())
+    }
+}
+
+impl CudaMark {
+    pub fn new(gpu: &Cuda, stream: &CudaStream) -> Result<Self, DeviceError> {
+        let mark = || -> Result<CudaEvent, DriverError> {
+            let event = gpu.context().new_event(Some(sys::CUevent_flags::CU_EVENT_DEFAULT))?;
+            // Whoever cannot mark the end of a kernel cannot wait for it: it must not outlive this call.
+            event.record(stream).or_else(|error| stream.synchronize().and(Err(error)))?;
+            Ok(event)
+        };
+        let event = mark().map_err(|error| gpu.failed("took the time", error))?;
+        Ok(Self { gpu: gpu.clone(), event })
     }
 
-    fn failed(&self, error: DriverError) -> DeviceError {
-        self.gpu.failed(&format!("ran the kernel {}", self.name), error)
+    /// Waits until the stream has come by.
+    pub fn wait(&self) -> Result<(), DeviceError> {
+        self.event.synchronize().map_err(|error| self.gpu.failed("ran its kernels", error))
+    }
+
+    /// Seconds since an earlier one, once both were waited for.
+    pub fn seconds_since(&self, earlier: &Self) -> Result<f64, DeviceError> {
+        let milliseconds = earlier.event.elapsed_ms(&self.event);
+        Ok(f64::from(milliseconds.map_err(|error| self.gpu.failed("took the time", error))?) * 1e-3)
     }
 }

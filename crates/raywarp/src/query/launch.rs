@@ -6,7 +6,7 @@ use raywarp_core::ray::HitArrays;
 use raywarp_core::traversal::query::{AnyHit, ClosestHit, Query};
 use raywarp_core::traversal::QuantizedBvh2;
 use raywarp_core::view::{View, ViewMut};
-use raywarp_device::kernels::{Launch, Launchable, Views};
+use raywarp_device::kernels::{Launchable, Timed, Views};
 
 use super::{Coherence, QueryError, RayCaster};
 use crate::device::{Buffer, Device, DeviceError, Stream};
@@ -85,7 +85,7 @@ impl RayCaster {
 
 /// A request under way.
 pub struct Launched {
-    launch: Launch,
+    launch: Timed,
     /// Of persistent threads.
     _numbers: Option<Buffer<u32>>,
 }
@@ -97,8 +97,8 @@ impl Launched {
     }
 }
 
-impl From<Launch> for Launched {
-    fn from(launch: Launch) -> Self {
+impl From<Timed> for Launched {
+    fn from(launch: Timed) -> Self {
         Self { launch, _numbers: None }
     }
 }
@@ -148,13 +148,13 @@ impl Batch<'_> {
 
     /// # Safety
     /// As for [`Device::launch`], until the launch has been waited for.
-    unsafe fn run(&self, kernel: &dyn Launchable, threads: u32) -> Result<Launch, DeviceError> {
+    unsafe fn run(&self, kernel: &dyn Launchable, threads: u32) -> Result<Timed, DeviceError> {
         let extent = [threads, 1];
         match self.stream {
             // SAFETY: the caller's promise.
-            Some(stream) => unsafe { kernel.launch_on(stream, extent) },
+            Some(stream) => unsafe { Timed::launch_on(stream, kernel, extent) },
             // SAFETY: the caller's promise.
-            None => unsafe { kernel.launch(self.device, extent) }.map(Launch::done),
+            None => unsafe { Timed::launch(self.device, kernel, extent) },
         }
     }
 }

@@ -16,6 +16,13 @@ pub(super) struct Band {
     pub samples: [u32; 2],
 }
 
+impl Band {
+    fn pixel_samples(&self) -> u64 {
+        let [columns, rows] = self.extent.map(u64::from);
+        columns * rows * u64::from(self.samples[1] - self.samples[0])
+    }
+}
+
 /// Goes down the window; all samples of a band before the next one, each pixel's in order.
 #[derive(Debug)]
 pub(super) struct Bands {
@@ -26,13 +33,12 @@ pub(super) struct Bands {
     sample: u32,
     /// In pixel samples.
     pace: Pace,
-    last: u64,
     done: u64,
 }
 
 impl Bands {
     pub fn new(window: Window, spp: u32, gpu: bool) -> Self {
-        Self { window, spp, row: 0, rows: 0, sample: 0, pace: Pace::new(gpu), last: 0, done: 0 }
+        Self { window, spp, row: 0, rows: 0, sample: 0, pace: Pace::new(gpu), done: 0 }
     }
 
     /// The next launch; none when all is done.
@@ -53,7 +59,6 @@ impl Bands {
             extent: [width, self.rows],
             samples: [self.sample, self.sample + samples],
         };
-        self.last = pixels * samples as u64;
         self.sample += samples;
         if self.sample == self.spp {
             (self.row, self.sample) = (self.row + self.rows, 0);
@@ -61,10 +66,10 @@ impl Bands {
         Some(band)
     }
 
-    /// Learns from the seconds that the last launch took.
-    pub fn took(&mut self, seconds: f64) {
-        self.done += self.last;
-        self.pace.took(self.last, seconds);
+    /// Learns from the seconds that a launch took.
+    pub fn took(&mut self, band: &Band, seconds: f64) {
+        self.done += band.pixel_samples();
+        self.pace.took(band.pixel_samples(), seconds);
     }
 
     pub fn done(&self) -> u64 {
@@ -93,7 +98,7 @@ mod tests {
                     assert_eq!(next_sample[row as usize], band.samples[0]);
                     next_sample[row as usize] = band.samples[1];
                 }
-                bands.took(seconds);
+                bands.took(&band, seconds);
             }
             assert!(next_sample.iter().all(|&s| s == spp));
             assert_eq!(bands.done(), bands.total());

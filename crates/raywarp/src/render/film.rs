@@ -8,7 +8,7 @@ use raywarp_core::screen::{AovRanges, DrawAov, Exposed, Shown, ToneMapFilm};
 use raywarp_core::shade::whitted::Limits;
 use raywarp_core::traversal::Tests;
 use raywarp_core::view::{View, ViewMut};
-use raywarp_device::kernels::Views;
+use raywarp_device::kernels::{Timed, Views};
 
 use super::{camera, passes, RenderError, RenderOptions, Tracer};
 use crate::device::{Buffer, Device};
@@ -141,7 +141,7 @@ impl Film {
         let kernel =
             ToneMapFilm { film: self.exposed(), under, tone: development.tone(), screen: self.screen.view_mut() };
         // SAFETY: all buffers are of this device and borrowed while this waits; both films know their sizes.
-        Ok(unsafe { self.device.launch(&kernel, self.size) }?)
+        Ok(unsafe { Timed::launch(&self.device, &kernel, self.size) }?.wait()?)
     }
 
     fn exposed(&self) -> Exposed {
@@ -224,7 +224,7 @@ impl Tracer {
             tests: ViewMut::EMPTY,
             ticks: ViewMut::EMPTY,
         };
-        exposure.kernel_seconds = passes::shade(&self.device, &*self.structure.resident, &pass)?;
+        exposure.kernel_seconds = passes::shade(&self.device, &*self.structure.resident, &pass)?.wait()?;
         exposure.pixel_samples = step.pixel_samples(width);
         film.took(step, exposure.kernel_seconds);
         exposure.complete = film.samples >= options.spp && step.rows[1] == height;
@@ -259,11 +259,12 @@ impl Tracer {
             ticks: ticks.view_mut(),
             ..self.whole(camera, &options, window, &lights)?
         };
-        let mut seconds = if costs {
+        let launch = if costs {
             passes::shade(&self.device, &*self.structure.resident, &pass)?
         } else {
             passes::first_hits(&self.device, &*self.structure.resident, &pass, first_hits.view_mut())?
         };
+        let mut seconds = launch.wait()?;
         let shown = Shown {
             quantity: quantity as u32,
             first_hits: first_hits.view(),
@@ -281,7 +282,7 @@ impl Tracer {
         };
         let draw_aov = DrawAov { shown, size: film.size, range, screen: film.screen.view_mut() };
         // SAFETY: the buffers are borrowed while this waits, and as long as the film has pixels.
-        seconds += unsafe { self.device.launch(&draw_aov, film.size) }?;
+        seconds += unsafe { Timed::launch(&self.device, &draw_aov, film.size) }?.wait()?;
         Ok(Painted { range, kernel_seconds: seconds })
     }
 
@@ -290,7 +291,7 @@ impl Tracer {
         let mut rows = self.device.zeroed::<[f32; 2]>(size[1] as usize)?;
         let ranges = AovRanges { shown: *shown, size, ranges: rows.view_mut() };
         // SAFETY: as in `draw_aov`.
-        *seconds += unsafe { self.device.launch(&ranges, [size[1], 1]) }?;
+        *seconds += unsafe { Timed::launch(&self.device, &ranges, [size[1], 1]) }?.wait()?;
         let all = rows.download()?.into_iter().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
         Ok(all.filter(|[low, high]| low <= high).unwrap_or([0.0, 1.0]))
     }

@@ -1,6 +1,7 @@
 //! From a scene to a picture: flatten it, build the tree, put both on a device, trace.
 
 mod arrange;
+mod band_queue;
 mod bands;
 pub(crate) mod camera;
 mod changes;
@@ -34,6 +35,7 @@ use crate::device::{Buffer, Device};
 use crate::image::Picture;
 use crate::scene::{Camera, Scene, Viewpoint};
 use arrange::Arranged;
+use band_queue::BandQueue;
 use bands::Bands;
 use changes::NodesByDepth;
 pub(crate) use flatten::Flat;
@@ -223,7 +225,7 @@ impl Tracer {
         &self.camera
     }
 
-    /// Renders a picture and calls `progress` after each launch, which aims at a tenth of a second. The same scene, camera, options and seed give
+    /// Renders a picture and calls `progress` after each launch, which aims at 0.08 s. The same scene, camera, options and seed give
     /// the same picture on every device.
     ///
     /// # Errors
@@ -246,9 +248,9 @@ impl Tracer {
         let lights = self.lighting.upload(&self.device, camera)?;
         let scene = self.scene.view(&lights, &self.lighting);
         let camera = camera::kernel_camera(camera, options.size)?;
-        let mut bands = Bands::new(window, options.spp, self.device.is_cuda());
-        let (mut kernel_seconds, mut launches) = (0.0, 0);
-        while let Some(band) = bands.next() {
+        let is_gpu = self.device.is_cuda();
+        let mut queue = BandQueue::new(Bands::new(window, options.spp, is_gpu), is_gpu, progress);
+        while let Some(band) = queue.next()? {
             let frame = Frame {
                 camera,
                 origin: band.origin,
@@ -266,13 +268,9 @@ impl Tracer {
                 tests: tests.view_mut(),
                 ticks: ViewMut::EMPTY,
             };
-            let seconds = passes::shade(&self.device, &*self.structure.resident, &pass)?;
-            kernel_seconds += seconds;
-            launches += 1;
-            bands.took(seconds);
-            progress(Progress { done: bands.done(), total: bands.total() });
+            queue.push(band, passes::shade(&self.device, &*self.structure.resident, &pass)?);
         }
-        finish(options, film, tests, kernel_seconds, launches, window)
+        finish(options, film, tests, queue.kernel_seconds, queue.launches, window)
     }
 
     /// What the ray through the centre of each pixel meets first, row by row.

@@ -8,7 +8,7 @@ use raywarp_core::shade::whitted::Limits;
 use raywarp_core::surface;
 use raywarp_core::traversal::{NullStatistics, RecordedStatistics, Structure, Tests};
 use raywarp_core::view::ViewMut;
-use raywarp_device::kernels::Launchable;
+use raywarp_device::kernels::{Launchable, Timed};
 
 use crate::accel::two_level::TwoLevel;
 use crate::accel::{
@@ -113,23 +113,24 @@ pub(crate) fn upload_instances(
     })
 }
 
-/// Adds the samples of a pass to the film; returns the seconds on the device.
-pub(super) fn shade(device: &Device, structure: &dyn FrameKernels, pass: &Pass) -> Result<f64, DeviceError> {
+/// Adds the samples of a pass to the film: enqueued, not waited for.
+pub(super) fn shade(device: &Device, structure: &dyn FrameKernels, pass: &Pass) -> Result<Timed, DeviceError> {
     run(device, pass, &*structure.frame(pass))
 }
 
-/// Finds the first hit of each pixel of a pass.
+/// Finds the first hit of each pixel of a pass: enqueued, not waited for.
 pub(super) fn first_hits(
     device: &Device,
     structure: &dyn FrameKernels,
     pass: &Pass,
     first_hits: ViewMut<FirstHit>,
-) -> Result<f64, DeviceError> {
+) -> Result<Timed, DeviceError> {
     run(device, pass, &*structure.first_hits(pass, first_hits))
 }
 
-fn run(device: &Device, pass: &Pass, kernel: &dyn Launchable) -> Result<f64, DeviceError> {
+fn run(device: &Device, pass: &Pass, kernel: &dyn Launchable) -> Result<Timed, DeviceError> {
     // SAFETY: the structure's views are of buffers borrowed for this call; those of the pass belong to the frame that
-    // `Tracer` holds while it waits here. `Flat` checked the indices of the scene, the builders those of the trees.
-    unsafe { kernel.launch(device, pass.frame.extent) }
+    // `Tracer` holds, which are read, cleared and freed in the order of the device's own stream, as all that it launches.
+    // `Flat` checked the indices of the scene, the builders those of the trees.
+    unsafe { Timed::launch(device, kernel, pass.frame.extent) }
 }
