@@ -223,14 +223,14 @@ impl ResidentDual {
 // SAFETY: the buffers are its own, and the builders keep indices in range.
 unsafe impl Resident for ResidentDual {
     type Short = traversal::DualBvh2;
-    type Long = QuantizedBvh2;
+    type Long = traversal::Bvh2;
 
     fn short(&self) -> traversal::DualBvh2 {
         traversal::DualBvh2 { full: self.full.view(), quantized: self.small() }
     }
 
-    fn long(&self) -> QuantizedBvh2 {
-        self.small()
+    fn long(&self) -> traversal::Bvh2 {
+        self.full.view()
     }
 
     fn persistent(&self) -> Option<QuantizedBvh2> {
