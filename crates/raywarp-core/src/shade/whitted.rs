@@ -90,7 +90,7 @@ pub fn trace<S: Structure, C: Counter>(
     tracer.counter.branch();
     let (mut radiance, mut previous, mut any) = (Vec3::ZERO, START, false);
     loop {
-        let hit = tracer.visible(&branch.ray, &previous);
+        let hit = closest(structure, &branch.ray, &previous, tracer.counter);
         if branch.medium() != 0 {
             // From the last surface on, behind which the ray goes straight on, or from its origin.
             let length = hit.t - arch::max(previous.t, 0.0);
@@ -99,9 +99,14 @@ pub fn trace<S: Structure, C: Counter>(
         if hit.is_miss() {
             radiance += branch.weight * scene.background.radiance(branch.ray.direction);
         } else {
-            any = true;
             let material = scene.material::<S::Space>(&hit);
             let surface = scene.surface::<S::Space>(&branch.ray, &hit, material);
+            // As `visible` asks; not by it, for then the surface would be found out twice.
+            if surface.coverage <= 0.0 || (material.flags & flags::SINGLE_SIDED != 0 && !surface.outside) {
+                previous = hit;
+                continue;
+            }
+            any = true;
             let weight = branch.weight * surface.coverage;
             radiance += weight * tracer.local(&branch.ray, &hit, &surface, material);
             if branch.depth() < limits.depth {
@@ -125,12 +130,6 @@ pub fn trace<S: Structure, C: Counter>(
 }
 
 impl<S: Structure, C: Counter> Tracer<'_, S, C> {
-    /// The first hit after `previous` that covers anything.
-    #[inline(always)]
-    fn visible(&mut self, ray: &Ray, previous: &Hit) -> Hit {
-        visible(self.structure, self.scene, ray, previous, self.counter)
-    }
-
     /// What the surface itself sends towards the viewer: Phong's sum over the lights, and its own light.
     #[inline(always)]
     fn local(&mut self, ray: &Ray, hit: &Hit, surface: &Surface, material: &Material) -> Vec3 {

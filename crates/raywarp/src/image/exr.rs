@@ -155,7 +155,8 @@ mod tests {
         assert_eq!(image.attributes.display_window.size, ::exr::math::Vec2(16, 9));
         let channels = &image.layer_data.channel_data.list;
         let names: Vec<_> = channels.iter().map(|channel| channel.name.to_string()).collect();
-        let expected = "A B G R albedo.B albedo.G albedo.R depth.Z material.ID normal.X normal.Y normal.Z position.X \
+        let expected =
+            "A B G R albedo.B albedo.G albedo.R depth.Z instance.ID material.ID normal.X normal.Y normal.Z position.X \
                         position.Y position.Z primitive.ID tests.nodes tests.rays tests.triangles uv.U uv.V";
         assert_eq!(names.join(" "), expected);
         let of = |name: &str| &channels.iter().find(|channel| channel.name.eq(name)).unwrap().sample_data;
