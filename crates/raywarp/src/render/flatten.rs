@@ -214,7 +214,7 @@ fn totals(scene: &Scene, instances: &[Instance], is_shared: impl Fn(usize) -> bo
     let mut own = |(index, instance): (usize, &Instance)| {
         let mesh = scene.meshes.get(instance.mesh)?;
         let again = is_shared(index) && std::mem::replace(&mut counted[instance.mesh], true);
-        (!again).then(|| [mesh.positions.len(), mesh.triangles.len()])
+        (!again).then_some([mesh.positions.len(), mesh.triangles.len()])
     };
     instances.iter().enumerate().filter_map(&mut own).fold([0; 2], |[v, t], [own_v, own_t]| [v + own_v, t + own_t])
 }
