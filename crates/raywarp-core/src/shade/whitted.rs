@@ -111,7 +111,7 @@ pub fn trace<S: Structure, C: Counter>(
             radiance += weight * tracer.local(&branch.ray, &hit, &surface, material);
             if branch.depth() < limits.depth {
                 scatter::<S::Space>(scene, &branch, &hit, weight, &surface, material, &mut waiting);
-            } else {
+            } else if !material.transmission.is_zero() {
                 radiance += weight * material.transmission * scene.surroundings(branch.ray.direction);
             }
             // Go on straight behind a surface that covers only part.
