@@ -1,5 +1,5 @@
 //! Every option of the program, a command a file. Help, man pages and completions are made from these definitions; the
-//! options of rendering come from the schema ([`settings`]).
+//! options of rendering come from the schema (`settings`).
 
 mod camera;
 mod completions;

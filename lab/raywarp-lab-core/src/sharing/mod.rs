@@ -6,7 +6,7 @@
 //! gives a new ray to each lane that is done. [`paths`] follows rays over several bounces, and [`sort`] puts rays in order
 //! between them.
 //!
-//! What renders is [`traversal`](raywarp_core::traversal), and batches that it does not suit are answered by [`persistent`] threads(raywarp_core::persistent);
+//! What renders is [`traversal`](raywarp_core::traversal), and batches that it does not suit are answered by [`persistent`](raywarp_core::persistent) threads;
 //! this is for measuring what they could be (`raywarp-lab study`).
 
 pub mod direct;
