@@ -141,7 +141,8 @@ impl Tracer {
         if let Some(index) = moved.iter().find(|&&index| index >= known) {
             return Err(RenderError::Scene { mesh: format!("instance {index}"), part: "the index" });
         }
-        if !self.structure.set_transforms(moved.iter().map(|&index| (index, &instances[index].transform)))? {
+        let transforms: Vec<_> = moved.iter().map(|&index| (index, &instances[index].transform)).collect();
+        if !self.structure.set_transforms(&transforms)? {
             return Ok(false);
         }
         for &index in moved {

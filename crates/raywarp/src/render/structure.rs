@@ -103,15 +103,10 @@ impl Structure {
     }
 
     /// Puts instances elsewhere. Returns whether that is all: `false` if one is or would have to be in world space.
-    pub(super) fn set_transforms<'a>(
-        &mut self,
-        moved: impl IntoIterator<Item = (usize, &'a Transform)>,
-    ) -> Result<bool, RenderError> {
+    pub(super) fn set_transforms(&mut self, moved: &[(usize, &Transform)]) -> Result<bool, RenderError> {
         let Some(upper) = &mut self.upper else { return Ok(false) };
-        for (instance, transform) in moved {
-            if upper.set_transform(instance, transform).is_none() {
-                return Ok(false);
-            }
+        if upper.set_transforms(moved).is_none() {
+            return Ok(false);
         }
         let resident: &mut dyn Any = &mut *self.resident;
         if let Some(tree) = resident.downcast_mut::<ResidentTwoLevel>() {

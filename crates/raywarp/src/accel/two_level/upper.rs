@@ -15,33 +15,38 @@ const NOTHING: Child = Child::leaf(0, 1);
 /// The nodes, 0 the root, and how many of them are on the longest way to a leaf.
 pub(super) fn build(boxes: &[Bounds]) -> (Vec<Node>, usize) {
     let mut items: Vec<Item> = boxes.iter().zip(0..).map(|(&bounds, index)| Item { bounds, index }).collect();
-    let mut nodes = Vec::with_capacity(boxes.len());
-    let depth = match &mut items[..] {
-        [] => alone(Bounds::EMPTY, NOTHING, &mut nodes),
-        [one] => alone(one.bounds, Child::leaf(one.index, 1), &mut nodes),
-        many => grow(many, MAX_UPPER_DEPTH, &mut nodes).1,
-    };
-    (nodes, depth)
+    match &mut items[..] {
+        [] => (vec![node(&[Bounds::EMPTY; 2], [NOTHING; 2])], 1),
+        [one] => (vec![node(&[one.bounds, Bounds::EMPTY], [Child::leaf(one.index, 1), NOTHING])], 1),
+        many => {
+            let mut nodes = vec![node(&[Bounds::EMPTY; 2], [NOTHING; 2]); many.len() - 1];
+            let depth = grow(many, MAX_UPPER_DEPTH, &mut nodes, 0).1;
+            (nodes, depth)
+        }
+    }
 }
 
-/// A root with one child.
-fn alone(bounds: Bounds, child: Child, nodes: &mut Vec<Node>) -> usize {
-    nodes.push(node(&[bounds, Bounds::EMPTY], [child, NOTHING]));
-    1
-}
+/// Items of a range from which on its halves are worth a thread each.
+const WORTH_A_THREAD: usize = 1024;
 
-/// Adds the tree of a range, with at most `levels` inner nodes on the way to a leaf, and tells how many there are.
-fn grow(items: &mut [Item], levels: usize, nodes: &mut Vec<Node>) -> (Child, usize) {
+/// Fills in the tree of a range, whose root is the first of `nodes` and node `first` of the whole, with at most `levels` inner
+/// nodes on the way to a leaf, and tells how many there are. A tree over so many boxes has one node less, so both halves know
+/// their places before either is built.
+fn grow(items: &mut [Item], levels: usize, nodes: &mut [Node], first: u32) -> (Child, usize) {
     if let [one] = items {
         return (Child::leaf(one.index, 1), 0);
     }
     let split = divide(items, levels);
-    let slot = nodes.len();
-    nodes.push(node(&split.bounds, [NOTHING; 2]));
+    let worth_it = items.len() >= WORTH_A_THREAD;
     let (left, right) = items.split_at_mut(split.middle);
-    let [(left, a), (right, b)] = [left, right].map(|part| grow(part, levels - 1, nodes));
-    nodes[slot].children = [left, right];
-    (Child::node(slot as u32), a.max(b) + 1)
+    let (root, below) = nodes.split_at_mut(1);
+    let (of_left, of_right) = below.split_at_mut(left.len() - 1);
+    let next = first + left.len() as u32;
+    let mut on_left = || grow(left, levels - 1, of_left, first + 1);
+    let mut on_right = || grow(right, levels - 1, of_right, next);
+    let ((left, a), (right, b)) = if worth_it { rayon::join(on_left, on_right) } else { (on_left(), on_right()) };
+    root[0] = node(&split.bounds, [left, right]);
+    (Child::node(first), a.max(b) + 1)
 }
 
 /// The heuristic may split off one instance at a time: only as long as halving still ends in time.

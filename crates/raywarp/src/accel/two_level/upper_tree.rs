@@ -1,5 +1,6 @@
 //! Instances that move: their boxes, and the tree over them made anew.
 
+use rayon::prelude::*;
 use raywarp_core::traversal::bvh2::{Child, Node};
 use raywarp_core::traversal::two_level::Instance;
 
@@ -40,13 +41,19 @@ impl UpperTree {
         Self { instances: tree.instances.clone(), boxes, covers, meshes, slack: tree.slack, places }
     }
 
-    /// Puts an instance of the scene elsewhere. None where that needs another structure: it is baked, or would have to be.
-    pub fn set_transform(&mut self, instance: usize, transform: &Transform) -> Option<()> {
-        let place = self.places.get(instance).copied().flatten()? as usize;
-        let inverse = Inverse::of(transform)?;
-        self.boxes[place] = inverse.world_bounds(&self.covers[self.meshes[place] as usize])?;
-        self.instances[place].rows = inverse.rows;
-        self.slack = self.slack.max(inverse.slack());
+    /// Puts instances of the scene elsewhere. None where that needs another structure: one is baked, or would have to be.
+    pub fn set_transforms(&mut self, moved: &[(usize, &Transform)]) -> Option<()> {
+        let placed = |&(instance, transform): &(usize, &Transform)| {
+            let place = self.places.get(instance).copied().flatten()? as usize;
+            let inverse = Inverse::of(transform)?;
+            let bounds = inverse.world_bounds(&self.covers[self.meshes[place] as usize])?;
+            Some((place, inverse, bounds))
+        };
+        for (place, inverse, bounds) in moved.par_iter().map(placed).collect::<Option<Vec<_>>>()? {
+            self.boxes[place] = bounds;
+            self.instances[place].rows = inverse.rows;
+            self.slack = self.slack.max(inverse.slack());
+        }
         Some(())
     }
 
