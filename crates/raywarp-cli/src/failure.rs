@@ -46,6 +46,11 @@ impl Failure {
         Self { text: joined(what.to_string(), &self.text), ..self }
     }
 
+    /// The same with advice, where it has none of its own.
+    pub fn advising(self, advice: impl fmt::Display) -> Self {
+        Self { advice: self.advice.or_else(|| Some(advice.to_string())), ..self }
+    }
+
     /// Says what went wrong and returns what the shell is told.
     pub fn tell(&self) -> ExitCode {
         if self.exit != Exit::ReaderGone {

@@ -50,9 +50,9 @@ pub fn check(folder: &Path, run: &mut Outputs, interrupt: &Interrupt) -> Result<
 /// Makes the folder for a report, and that for its plots.
 fn make(folder: &Path) -> Result<PathBuf> {
     let plots = folder.join(PLOTS);
-    fs::create_dir_all(&plots).with_context(|| {
-        format!("cannot make the folder {} for the report: give a folder that you may write to", plots.display())
-    })?;
+    fs::create_dir_all(&plots)
+        .with_context(|| format!("cannot make the folder {} for the report", plots.display()))
+        .map_err(|failure| failure.advising("give a folder that you may write to"))?;
     Ok(plots)
 }
 
