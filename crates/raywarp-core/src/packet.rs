@@ -1,10 +1,10 @@
-//! TrianglePacket triangles side by side, for the vector instructions of a CPU.
+//! Four triangles side by side, for the vector instructions of a CPU.
 
 use crate::arch;
 use crate::math::Vec3;
 use crate::triangle::{edge, RayShear, Triangle, TINY};
 
-/// TrianglePacket triangles, a component of all four after the other.
+/// Four triangles, a component of all four after the other.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrianglePacket {

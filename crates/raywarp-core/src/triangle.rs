@@ -176,7 +176,7 @@ impl Triangle {
     /// Möller and Trumbore's own form, as in the paper: Cramer's rule on `s = t(-d) + u e1 + v e2`.
     ///
     /// It differs from [`intersect`](Self::intersect) by roundings, which for a small triangle far away are large, and
-    /// rays slip through edges. RecordedStatistics as the paper's and as a check; nothing renders with it.
+    /// rays slip through edges. Kept as the paper's and as a check; nothing renders with it.
     pub fn moller_trumbore(&self, ray: &Ray) -> Option<Hit> {
         let (d, s) = (ray.direction, ray.origin - self.v0);
         let (e1, e2) = (self.v1 - self.v0, self.v2 - self.v0);

@@ -8,14 +8,14 @@ use raywarp_core::ray::{Ray, MISS};
 use raywarp_core::traversal::{bvh2, closest, kdtree, occlusion, Structure, Tests, START};
 use raywarp_core::triangle::Triangle;
 
-/// TrianglePacket triangles across the x axis, at 0, 1, 2 and 3.
+/// Four triangles across the x axis, at 0, 1, 2 and 3.
 fn row() -> Vec<Triangle> {
     let corner = |x, y, z| vec3(x, y, z);
-    let shear = |i| {
+    let across = |i| {
         let x = i as f32;
         Triangle::new(corner(x, -1.0, -1.0), corner(x, 1.0, -1.0), corner(x, 0.0, 1.0), i, 0)
     };
-    (0..4).map(shear).collect()
+    (0..4).map(across).collect()
 }
 
 const MARGIN: f32 = 0.125;

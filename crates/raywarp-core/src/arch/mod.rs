@@ -144,7 +144,7 @@ pub fn prefetch<T>(address: *const T) {
     let _ = address;
 }
 
-/// TrianglePacket bytes out of eight, those of `a` being 0 to 3 and those of `b` 4 to 7: each digit of `selector`, from the lowest,
+/// Four bytes out of eight, those of `a` being 0 to 3 and those of `b` 4 to 7: each digit of `selector`, from the lowest,
 /// names the next byte of the result.
 #[inline(always)]
 pub fn permute(a: u32, b: u32, selector: u32) -> u32 {

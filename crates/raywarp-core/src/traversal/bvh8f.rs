@@ -34,7 +34,7 @@ pub struct Node {
     pub unused: [u32; 8],
 }
 
-/// TrianglePacket triangles; those of a leaf that does not fill its last block come first.
+/// Four triangles; those of a leaf that does not fill its last block come first.
 pub type Block = TrianglePacket;
 
 /// Triangles of a block.

@@ -26,7 +26,7 @@ pub struct WatchError {
 
 /// Watches files until it is dropped.
 pub struct Watch {
-    /// RecordedStatistics for its threads.
+    /// Kept for its threads.
     _watcher: notify::RecommendedWatcher,
     changed: mpsc::Receiver<()>,
 }

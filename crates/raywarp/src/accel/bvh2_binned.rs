@@ -175,8 +175,8 @@ mod tests {
     fn threads_do_not_change_the_tree() {
         let triangles = row(50_000, |i| (i as f32 * 0.618).fract());
         let with = |threads| {
-            let persistent = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            persistent.install(|| build(triangles.clone()).unwrap())
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| build(triangles.clone()).unwrap())
         };
         let (one, four) = (with(1), with(4));
         assert!(one.nodes == four.nodes && one.triangles == four.triangles);

@@ -133,8 +133,8 @@ mod tests {
         let triangles = diagonals(50_000);
         for quality in Quality::ALL {
             let with = |threads| {
-                let persistent = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                persistent.install(|| build(triangles.clone(), quality).unwrap())
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| build(triangles.clone(), quality).unwrap())
             };
             let (one, four) = (with(1), with(4));
             assert!(one.nodes == four.nodes && one.triangles == four.triangles);

@@ -169,8 +169,8 @@ mod tests {
         let triangles: Vec<_> =
             (0..20_000).map(|i| at((i as f32 * 0.618).fract(), (i as f32 * 0.1).fract(), i)).collect();
         let with = |threads| {
-            let persistent = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            persistent.install(|| build(triangles.clone()).unwrap())
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| build(triangles.clone()).unwrap())
         };
         let (one, four) = (with(1), with(4));
         assert!(one.nodes == four.nodes && one.references == four.references);

@@ -48,7 +48,7 @@ struct Planes {
 
 impl Planes {
     /// Nothing for a box without room between two planes, or too large to count in.
-    fn shear(bounds: &Bounds, axis: usize, bins: usize) -> Option<Self> {
+    fn across(bounds: &Bounds, axis: usize, bins: usize) -> Option<Self> {
         let (low, high) = (bounds.low[axis], bounds.high[axis]);
         let step = (high - low) / bins as f32;
         (step.is_finite() && low + step > low && high - step < high).then_some(Self { low, step, bins })
@@ -97,7 +97,7 @@ enum Place {
 /// The cheapest plane through the box around `items`.
 pub(super) fn best(triangles: &[Triangle], items: &[Item], around: &Bounds) -> Option<SpatialCut> {
     let count = if items.len() < 256 { BINS / 2 } else { BINS };
-    let planes = [0, 1, 2].map(|axis| Planes::shear(around, axis, count));
+    let planes = [0, 1, 2].map(|axis| Planes::across(around, axis, count));
     let bins = fill(triangles, items, &planes);
     let cuts = (0..3).filter_map(|axis| best_on(axis, planes[axis].as_ref()?, &bins[axis]));
     cuts.min_by(|a, b| a.cost.total_cmp(&b.cost))

@@ -104,7 +104,7 @@ fn test_channels(tests: &[Tests]) -> Vec<Channel> {
     vec![channel("nodes", |t| t.nodes), channel("triangles", |t| t.triangles), channel("rays", |t| t.rays)]
 }
 
-/// FirstHits, and the layer that names the channels made of them.
+/// First hits, and the layer that names the channels made of them.
 struct FirstHits<'a>(&'a [FirstHit], Layer);
 
 impl FirstHits<'_> {

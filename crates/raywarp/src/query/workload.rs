@@ -221,9 +221,9 @@ fn normal(triangle: &Triangle) -> Option<Vec3> {
     let [a, b, c] = [triangle.v0, triangle.v1, triangle.v2].map(|v| v.to_array().map(f64::from));
     let edge = |to: [f64; 3]| [to[0] - a[0], to[1] - a[1], to[2] - a[2]];
     let (e, f) = (edge(b), edge(c));
-    let shear = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
-    let length = shear.iter().map(|x| x * x).sum::<f64>().sqrt();
-    (length > 0.0 && length.is_finite()).then(|| shear.map(|x| (x / length) as f32).into())
+    let cross = [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]];
+    let length = cross.iter().map(|x| x * x).sum::<f64>().sqrt();
+    (length > 0.0 && length.is_finite()).then(|| cross.map(|x| (x / length) as f32).into())
 }
 
 /// A ray that ends at a point.

@@ -136,8 +136,8 @@ pub fn ray(aim: usize, scene: &[Triangle], n: &mut Numbers) -> Ray {
         }
         // Parallel to a plane of two axes.
         8 => {
-            let shear = n.point() * (vec3(1.0, 1.0, 1.0) + axis * -axis.max_abs() * (axis.x + axis.y + axis.z));
-            Ray::new(corner - shear * (triangle.extent() * n.unit()), shear)
+            let across = n.point() * (vec3(1.0, 1.0, 1.0) + axis * -axis.max_abs() * (axis.x + axis.y + axis.z));
+            Ray::new(corner - across * (triangle.extent() * n.unit()), across)
         }
         9 => Ray::new(origin, (target - origin) * n.pick(&[1e-20, 1e20])),
         _ => nonsense(origin, n),

@@ -37,7 +37,7 @@ pub enum StructureKind {
     KdSah,
     /// The same, traversed by restarts and a trail, with a stack of four cells.
     KdTrail,
-    /// TrianglePacket boxes a node, quantised to eight bits: 64 bytes.
+    /// Four boxes a node, quantised to eight bits: 64 bytes.
     Bvh4,
     /// Eight boxes a node, compressed to 80 bytes.
     Bvh8,

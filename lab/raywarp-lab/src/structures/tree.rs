@@ -31,7 +31,7 @@ pub enum Tree {
     KdSah(KdTree),
     /// The same tree, traversed by restarts.
     KdTrail(KdTree),
-    /// TrianglePacket boxes a node, quantised.
+    /// Four boxes a node, quantised.
     Bvh4(bvh4::Bvh4),
     /// Eight boxes a node, compressed.
     Bvh8(bvh8::Bvh8),

@@ -15,7 +15,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::quote::quote;
-use super::text::{is_keyword, Kind, Statement, Statements, Strays, Tally};
+use super::text::{is_keyword, Kind, SkippedStatements, Statement, Statements, Strays};
 use super::{LoadError, Sources};
 use crate::Scene;
 use definition::Definition;
@@ -60,7 +60,7 @@ struct Library<'a> {
     astray: Option<usize>,
     /// First line of the statements of the physically based extension.
     physical: Option<usize>,
-    unknown: Tally<'a>,
+    unknown: SkippedStatements<'a>,
     /// Lines that are no statements.
     foreign: Strays,
     faulty: Faulty,

@@ -7,7 +7,7 @@ use super::corner::{Context, Corner, Lacking, Seen};
 use super::materials::Materials;
 use super::meshes::Meshes;
 use crate::load::quote::quote;
-use crate::load::text::{is_keyword, parse_integer, Kind, Statement, Statements, Strays, Tally};
+use crate::load::text::{is_keyword, parse_integer, Kind, SkippedStatements, Statement, Statements, Strays};
 use crate::load::{LoadError, Sources};
 use crate::memory::{Budget, Growth};
 use crate::{Mesh, Scene};
@@ -30,7 +30,7 @@ pub(super) struct Elements<'a> {
     /// Faces that name texture coordinates, and normals, which the file lacks.
     without_uvs: Strays,
     without_normals: Strays,
-    skipped: Tally<'a>,
+    skipped: SkippedStatements<'a>,
     /// Lines that are no statements.
     foreign: Strays,
     /// Scratch space of a face.
@@ -61,7 +61,7 @@ impl<'a> Elements<'a> {
             too_few_corners: Strays::default(),
             without_uvs: Strays::default(),
             without_normals: Strays::default(),
-            skipped: Tally::default(),
+            skipped: SkippedStatements::default(),
             foreign: Strays::default(),
             corners: Vec::new(),
             polygon: Vec::new(),

@@ -1,12 +1,12 @@
 //! What OBJ and MTL share: statements, one a line, a keyword and then fields between blanks.
 
 mod number;
+mod skipped;
 mod statements;
-mod tally;
 
 pub(super) use number::{parse_f32, parse_f64, parse_integer};
+pub(super) use skipped::{is_keyword, Kind, SkippedStatements, Strays};
 pub(super) use statements::{unpadded, Field, Statement, Statements};
-pub(super) use tally::{is_keyword, Kind, Strays, Tally};
 
 use std::path::Path;
 

@@ -14,7 +14,7 @@ pub(super) struct Line {
 
 /// Some whole rows of a picture.
 pub(super) struct Band<'a> {
-    /// TrianglePacket bytes each, the first three of which are drawn on.
+    /// Four bytes each, the first three of which are drawn on.
     pub pixels: &'a mut [u8],
     /// Pixels in a row.
     pub columns: usize,
@@ -26,7 +26,7 @@ impl Line {
     /// Draws what is in a band. Cut into bands in any way, the picture is the same.
     ///
     /// Along its main direction a line takes each pixel whose middle it passes, up to but without its end: of lines that
-    /// follow each other, only one takes it. RayShear, it takes as much of a pixel as it covers of the pixel's middle.
+    /// follow each other, only one takes it. Across, it takes as much of a pixel as it covers of the pixel's middle.
     pub fn draw(&self, band: &mut Band) {
         let [from, to] = self.ends;
         let [columns, rows] = band.extent();

@@ -70,8 +70,7 @@ impl Cache {
     /// program has removed, are left to it.
     fn make_room(&self, more: u64) {
         let Ok(entries) = fs::read_dir(&self.directory) else { return };
-        let mut kept: Vec<RecordedStatistics> =
-            entries.filter_map(|entry| RecordedStatistics::of(entry.ok()?.path())).collect();
+        let mut kept: Vec<CachedFile> = entries.filter_map(|entry| CachedFile::of(entry.ok()?.path())).collect();
         kept.sort_by_key(|file| file.used);
         let mut total: u64 = kept.iter().map(|file| file.size).sum::<u64>().saturating_add(more);
         for file in kept {
@@ -84,14 +83,14 @@ impl Cache {
 }
 
 /// A file of the cache. Others in the directory are not ours to touch.
-struct RecordedStatistics {
+struct CachedFile {
     path: PathBuf,
     size: u64,
     used: SystemTime,
     given_up: bool,
 }
 
-impl RecordedStatistics {
+impl CachedFile {
     /// Finished ones, and those that were given up.
     fn of(path: PathBuf) -> Option<Self> {
         let extension = path.extension()?.to_str()?;

@@ -25,7 +25,7 @@ const HIGH: Build = Build { kind: AccelKind::Bvh2, quality: Quality::High, cache
 const KEY: u128 = 7;
 
 /// A cache with one tree, and the tree's file.
-struct RecordedStatistics {
+struct CachedTree {
     cache: Cache,
     triangles: Vec<Triangle>,
     tree: Bvh2,
@@ -34,17 +34,17 @@ struct RecordedStatistics {
     _directory: TempDir,
 }
 
-fn keep() -> RecordedStatistics {
+fn keep() -> CachedTree {
     let directory = tempfile::tempdir().unwrap();
     let cache = Cache::at(directory.path());
     let triangles = triangles(400);
     let (tree, order) = build_ordered(&triangles, Quality::High).unwrap();
     cache.write(KEY, &tree.nodes, &order).unwrap();
     let path = fs::read_dir(directory.path()).unwrap().next().unwrap().unwrap().path();
-    RecordedStatistics { cache, triangles, tree, order, path, _directory: directory }
+    CachedTree { cache, triangles, tree, order, path, _directory: directory }
 }
 
-impl RecordedStatistics {
+impl CachedTree {
     fn read(&self) -> Option<Bvh2> {
         self.cache.read(KEY, &self.triangles).unwrap()
     }

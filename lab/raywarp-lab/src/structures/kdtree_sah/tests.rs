@@ -156,8 +156,8 @@ fn what_cannot_be_hit_is_in_no_leaf() {
 #[test]
 fn threads_do_not_change_the_tree() {
     let with = |threads| {
-        let persistent = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        persistent.install(|| build(soup(20_000)).unwrap())
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| build(soup(20_000)).unwrap())
     };
     let (one, packet) = (with(1), with(4));
     assert!(one.nodes() == packet.nodes() && one.references() == packet.references());

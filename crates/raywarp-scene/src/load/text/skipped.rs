@@ -7,7 +7,7 @@ const MAX_KINDS: usize = 20;
 
 /// How often each keyword was passed over, in the order of their first lines.
 #[derive(Default)]
-pub(crate) struct Tally<'a> {
+pub(crate) struct SkippedStatements<'a> {
     pub kinds: Vec<Kind<'a>>,
     /// Statements of further keywords.
     pub more: usize,
@@ -21,7 +21,7 @@ pub(crate) struct Kind<'a> {
     pub count: usize,
 }
 
-impl<'a> Tally<'a> {
+impl<'a> SkippedStatements<'a> {
     pub fn count(&mut self, statement: &Statement<'a>) {
         if let Some(kind) = self.kinds.iter_mut().find(|kind| kind.keyword == statement.keyword) {
             kind.count += 1;
