@@ -10,8 +10,8 @@ use raywarp::accel::{
     TreeStats,
 };
 use raywarp::device::{Device, DeviceError};
-use raywarp::query::{sampled, QueryError, RayCaster, Tests};
-use raywarp::render::{RenderError, Structure};
+use raywarp::device_scene::{SceneError, Structure};
+use raywarp::query::{sampled, RayCaster, Tests};
 use raywarp::{Hit, Ray, Triangle};
 use raywarp_core::traversal::{closest, occlusion, Counter, Occlusion, START};
 use raywarp_core::view::Plain;
@@ -204,34 +204,15 @@ impl Tree {
     ///
     /// # Errors
     /// The device has no room for it, or no kernels.
-    pub fn caster(&self, device: &Device) -> Result<RayCaster, QueryError> {
-        let stats = self.stats();
-        device.reserve(stats.bytes as u64, "the structure")?;
-        // SAFETY: each is uploaded to this very device.
-        unsafe {
-            Ok(match self {
-                Self::Product(accel) => RayCaster::of(accel, device)?,
-                Self::Staged(list) => RayCaster::of_resident(staged_on(device, list)?, stats, device),
-                Self::KdSah(tree) => RayCaster::of_resident(ResidentKd::upload(device, tree)?, stats, device),
-                Self::KdTrail(tree) => RayCaster::of_resident(trail_on(device, tree)?, stats, device),
-                Self::Bvh4(tree) => {
-                    RayCaster::of_resident(wide(device, tree.nodes(), tree.triangles())?, stats, device)
-                }
-                Self::Bvh8(tree) => {
-                    RayCaster::of_resident(wide(device, tree.nodes(), tree.triangles())?, stats, device)
-                }
-                Self::Bvh8w(tree) => {
-                    RayCaster::of_resident(wide(device, tree.nodes(), tree.triangles())?, stats, device)
-                }
-            })
-        }
+    pub fn caster(&self, device: &Device) -> Result<RayCaster, SceneError> {
+        Ok(RayCaster::of_structure(self.structure(Quality::default(), device)?, device))
     }
 
     /// On a device, for pictures; what a tracer of that device is to trace.
     ///
     /// # Errors
     /// The device has no room for it, or no kernels.
-    pub fn structure(&self, quality: Quality, device: &Device) -> Result<Structure, RenderError> {
+    pub fn structure(&self, quality: Quality, device: &Device) -> Result<Structure, SceneError> {
         let stats = self.stats();
         device.reserve(stats.bytes as u64, "the structure")?;
         // SAFETY: each is uploaded to this very device, of which the tracer is.
