@@ -8,8 +8,7 @@ use raywarp_core::screen::{AovRanges, DrawAov, ToneMapFilm};
 use crate::accel::two_level::{InstancedStats, Plan, TwoLevel, UpperTree};
 use crate::accel::{
     cache, check_device, check_instances, Accel, AccelKind, Build, Quality, Rendered, ResidentBrute, ResidentBvh2,
-    ResidentBvh8f, ResidentDual, ResidentKd, ResidentKdTrees, ResidentLists, ResidentQuantized, ResidentTwoLevel,
-    TreeBox, TreeStats,
+    ResidentBvh8f, ResidentDual, ResidentKd, ResidentKdTrees, ResidentLists, ResidentTwoLevel, TreeBox, TreeStats,
 };
 use crate::device::{Device, DeviceError};
 use crate::render::passes::FrameKernels;
@@ -237,7 +236,6 @@ fn upload(device: &Device, tree: &Accel) -> Result<Box<dyn FrameKernels>, Device
         Accel::Brute(list) => Box::new(ResidentBrute::upload(device, list)?),
         Accel::Kd(tree) => Box::new(ResidentKd::upload(device, tree)?),
         Accel::Bvh2(tree) => Box::new(ResidentBvh2::upload(device, tree)?),
-        Accel::Bvh2c(tree) => Box::new(ResidentQuantized::upload(device, tree)?),
         Accel::Bvh(tree) => Box::new(ResidentDual::upload(device, tree)?),
         Accel::Bvh8f(tree) => Box::new(ResidentBvh8f::upload(device, tree)?),
     })

@@ -23,7 +23,7 @@ const KINDS: [StructureKind; 7] = [
     StructureKind::KdSah,
     StructureKind::KdTrail,
     StructureKind::BVH2,
-    StructureKind::BVH2C,
+    StructureKind::Bvh2c,
 ];
 
 /// Those whose threads' load is shown.
