@@ -5,6 +5,7 @@ use std::io;
 
 use raywarp::accel::Unhittable;
 use raywarp::device::DeviceError;
+use raywarp::device_scene::SceneError;
 use raywarp::image::ImageError;
 use raywarp::query::QueryError;
 use raywarp::render::RenderError;
@@ -96,10 +97,9 @@ impl Advise for RenderError {
     }
 }
 
-impl Advise for QueryError {
+impl Advise for SceneError {
     fn advice(&self) -> Option<String> {
         match self {
-            Self::Scene(error) => error.advice(),
             Self::Device(error) => error.advice(),
             _ => None,
         }
@@ -107,7 +107,22 @@ impl Advise for QueryError {
 
     fn exit(&self) -> Exit {
         match self {
-            Self::Scene(error) => error.exit(),
+            Self::Device(error) => error.exit(),
+            _ => Exit::Usage,
+        }
+    }
+}
+
+impl Advise for QueryError {
+    fn advice(&self) -> Option<String> {
+        match self {
+            Self::Device(error) => error.advice(),
+            _ => None,
+        }
+    }
+
+    fn exit(&self) -> Exit {
+        match self {
             Self::Device(error) => error.exit(),
             _ => Exit::Usage,
         }
@@ -224,6 +239,7 @@ mod tests {
         let failures = [
             Failure::from(device()),
             RenderError::from(device()).into(),
+            SceneError::from(device()).into(),
             QueryError::from(device()).into(),
             ViewerError::from(device()).into(),
             ServeError::from(ViewerError::from(RenderError::from(device()))).into(),

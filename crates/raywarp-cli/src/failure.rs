@@ -2,7 +2,6 @@
 
 use std::error::Error;
 use std::fmt;
-use std::process::ExitCode;
 
 use crate::advice::Advise;
 use crate::{messages, serve};
@@ -52,11 +51,11 @@ impl Failure {
     }
 
     /// Says what went wrong and returns what the shell is told.
-    pub fn tell(&self) -> ExitCode {
+    pub fn tell(&self) -> u8 {
         if self.exit != Exit::ReaderGone {
             messages::line(&format!("error: {self}"));
         }
-        ExitCode::from(self.exit as u8)
+        self.exit as u8
     }
 }
 
@@ -142,7 +141,7 @@ macro_rules! ensure {
 pub use {ensure, fail};
 
 /// Says what is wrong with the options, or shows the help that they ask for.
-pub fn of_options(error: &clap::Error) -> ExitCode {
+pub fn of_options(error: &clap::Error) -> u8 {
     let Some(sentence) = serve::advise(error) else { error.exit() };
     Failure::new(sentence).tell()
 }

@@ -11,11 +11,7 @@ use raywarp::scene::settings::SETTINGS;
 use crate::options::Options;
 
 /// The options of the command line; where they make no sense the error has a tip if a flag is known from elsewhere.
-pub fn parse() -> Result<Options, clap::Error> {
-    parse_from(std::env::args_os().collect())
-}
-
-fn parse_from(mut words: Vec<OsString>) -> Result<Options, clap::Error> {
+pub fn parse(mut words: Vec<OsString>) -> Result<Options, clap::Error> {
     if words.get(1).is_some_and(|word| is_scene(word)) {
         words.insert(1, "view".into());
     }
@@ -102,7 +98,7 @@ mod tests {
     use crate::options::Command;
 
     fn said(words: &[&str]) -> String {
-        parse_from(words.iter().map(OsString::from).collect()).unwrap_err().to_string()
+        parse(words.iter().map(OsString::from).collect()).unwrap_err().to_string()
     }
 
     #[test]
@@ -128,7 +124,7 @@ mod tests {
 
     #[test]
     fn a_scene_without_a_command_is_viewed() {
-        let scene = |words: &[&str]| match parse_from(words.iter().map(OsString::from).collect()).unwrap().command {
+        let scene = |words: &[&str]| match parse(words.iter().map(OsString::from).collect()).unwrap().command {
             Some(Command::View(options)) => options.scene,
             _ => None,
         };

@@ -2,8 +2,7 @@
 
 use raywarp::accel::AccelKind;
 use raywarp::device::{Device, DeviceChoice};
-use raywarp::query::Levels;
-use raywarp::render::{Report, Tracer};
+use raywarp::device_scene::{DeviceScene, Levels, Report};
 use raywarp::scene::{Material, Scene};
 use serde::Serialize;
 
@@ -74,7 +73,7 @@ pub fn run(options: &InfoOptions) -> Result<()> {
         true => &[AccelKind::Bvh2],
         false => &[AccelKind::Brute, AccelKind::Kd, AccelKind::Bvh2],
     };
-    let report = |&kind: &AccelKind| Tracer::new(scene, kind, &cpu).map(|tracer| (kind, tracer.report().clone()));
+    let report = |&kind: &AccelKind| DeviceScene::new(scene, kind, &cpu).map(|ready| (kind, ready.report().clone()));
     let reports = kinds.iter().map(report).collect::<Result<Vec<_>, _>>()?;
     let bvh = &reports[reports.len() - 1].1;
     let info = Info {

@@ -41,13 +41,20 @@ mod serve;
 pub mod values;
 mod view;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use options::{Command, RenderOptions};
 
 /// Does what the command line asks.
 pub fn main() -> ExitCode {
-    let options = match guess::parse() {
+    run(std::env::args_os().collect()).into()
+}
+
+/// Does what the words of a command line ask, the first of which is the program's name; returns what the shell is told. Where help is
+/// asked for, or the options make no sense, this process ends.
+pub fn run(words: Vec<OsString>) -> u8 {
+    let options = match guess::parse(words) {
         Ok(options) => options,
         Err(error) => return failure::of_options(&error),
     };
@@ -64,7 +71,7 @@ pub fn main() -> ExitCode {
         Some(Command::Man(options)) => man::run(&options),
     };
     match done {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(failure) => failure.tell(),
     }
 }

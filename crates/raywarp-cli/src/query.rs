@@ -44,7 +44,7 @@ pub fn run(options: &QueryOptions) -> Result<()> {
         messages::notes(&loaded.notes);
         messages::dropped(&caster.report().dropped);
         messages::fallback(&device);
-        if let Some(warning) = &caster.report().warning {
+        for warning in &caster.report().notes {
             messages::line(&format!("warning: {warning}"));
         }
         if rays.is_rounded() {

@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use raywarp::accel::TreeStats;
-use raywarp::render::{Rendering, Report};
+use raywarp::device_scene::Report;
+use raywarp::render::Rendering;
 use raywarp::scene::Scene;
 use serde::Serialize;
 

@@ -59,7 +59,7 @@ fn completions_know_what_options_take() {
     let bash = place.run(&["completions", "bash"]).succeeds().out();
     for values in [
         "auto cpu cuda",
-        "brute kd bvh2 bvh2c",
+        "brute kd bvh2 bvh",
         "fast medium high",
         "clamp filmic",
         "depth normal albedo",

@@ -2,6 +2,7 @@
 
 use raywarp::accel::Unhittable;
 use raywarp::device::DeviceError;
+use raywarp::device_scene::SceneError;
 use raywarp::image::ImageError;
 use raywarp::render::RenderError;
 use raywarp::scene::save::SaveError;
@@ -35,6 +36,12 @@ pub enum ViewerError {
     /// The picture cannot be encoded.
     #[error(transparent)]
     Image(#[from] ImageError),
+}
+
+impl From<SceneError> for ViewerError {
+    fn from(error: SceneError) -> Self {
+        Self::Render(error.into())
+    }
 }
 
 impl ViewerError {

@@ -52,7 +52,7 @@ struct Options {
 fn main() -> ExitCode {
     match run(&Options::parse().view) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.tell(),
+        Err(failure) => failure.tell().into(),
     }
 }
 

@@ -6,6 +6,7 @@ use std::time::Instant;
 use raywarp::accel::two_level::{build, Placement};
 use raywarp::accel::Quality;
 use raywarp::device::{Device, DeviceChoice};
+use raywarp::device_scene::Structure;
 use raywarp::query::RayCaster;
 use raywarp::scene::Transform;
 use raywarp::{Ray, Triangle, Vec3};
@@ -27,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("(triangles of the same scene without instances, alone: {:.0} MB)", mega(48) * stats.seen as f64);
 
     let device = Device::open(DeviceChoice::Auto)?;
-    let caster = RayCaster::from_instanced(&tree, &device)?;
+    let caster = RayCaster::of_structure(Structure::of_instances(&tree, &device)?, &device);
     println!("on {}", device.description());
     let rays = rays(side, if device.is_cuda() { 4000 } else { 1000 });
     for _ in 0..3 {

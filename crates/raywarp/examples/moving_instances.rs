@@ -4,15 +4,16 @@
 
 use std::error::Error;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use raywarp::accel::AccelKind;
 use raywarp::device::DeviceChoice;
+use raywarp::device_scene::Levels;
 use raywarp::image::{png, Development};
-use raywarp::query::Levels;
 use raywarp::render::RenderOptions;
 use raywarp::scene::{Instance, Material, Mesh, Scene, Transform};
-use raywarp::{write, Device, Tracer};
+use raywarp::{write, Device, DeviceScene, Tracer};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut words = std::env::args().skip(1);
@@ -26,19 +27,17 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Moves so many instances from frame to frame. How long moving took, and a frame as a whole, in the mean.
 pub fn animate(count: usize, frames: u32, size: [u32; 2], last: &Path) -> Result<[Duration; 2], Box<dyn Error>> {
-    let mut scene = scene(count);
     let device = Device::open(DeviceChoice::Auto)?;
-    let mut tracer = Tracer::with_levels(&scene, Levels::Two, AccelKind::default(), &device)?;
+    let scene = DeviceScene::with_levels(&scene(count), Levels::Two, AccelKind::default(), &device)?;
+    let mut tracer = Tracer::of_scene(Arc::new(scene))?;
     let options = RenderOptions { size, spp: 1, ..RenderOptions::default() };
     let camera = tracer.default_camera().clone();
-    let every: Vec<usize> = (0..count).collect();
     let (start, mut moving) = (Instant::now(), Duration::ZERO);
     for frame in 1..=frames {
         let begun = Instant::now();
-        for (index, instance) in scene.instances.iter_mut().enumerate() {
-            instance.transform = place(index, count, frame as f32 * 0.05);
-        }
-        let moved = tracer.move_instances(&scene, &scene.instances, &every)?;
+        let transforms: Vec<_> = (0..count).map(|index| place(index, count, frame as f32 * 0.05)).collect();
+        let moves: Vec<_> = transforms.iter().enumerate().collect();
+        let moved = tracer.scene_mut()?.set_transforms(&moves)?;
         assert!(moved, "what is turned and shifted can be inverted");
         moving += begun.elapsed();
         let rendering = tracer.render(&camera, &options, &mut |_| ())?;

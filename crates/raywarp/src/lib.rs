@@ -1,8 +1,8 @@
 //! A ray tracer for CUDA that needs nothing but the driver, and runs on the CPU without one.
 //!
-//! The way of a picture: [`scene::load`] reads files into a [`Scene`], a [`Tracer`] flattens it, builds a structure
-//! ([`accel`]) and puts both on a [`Device`], and what it [renders](Tracer::render) goes to [`image`]. A [`RayCaster`]
-//! answers rays instead. Whatever these take and give can be named from here; the folder `examples` shows how they are used.
+//! The way of a picture: [`scene::load`] reads files into a [`Scene`], a [`DeviceScene`] builds a structure
+//! ([`accel`]) over it and holds both on a [`Device`]. What a [`Tracer`] [renders](Tracer::render) of that goes to [`image`]; a
+//! [`RayCaster`] answers rays. Whatever these take and give can be named from here; the folder `examples` shows how they are used.
 //!
 //! ```
 //! use raywarp::accel::AccelKind;
@@ -21,6 +21,7 @@
 
 pub mod accel;
 pub mod device;
+pub mod device_scene;
 pub mod image;
 pub mod query;
 pub mod render;
@@ -29,6 +30,7 @@ pub use raywarp_scene as scene;
 pub use raywarp_scene::write;
 
 pub use device::Device;
+pub use device_scene::DeviceScene;
 pub use query::RayCaster;
 pub use raywarp_core::math::Vec3;
 pub use raywarp_core::ray::{Hit, Ray, MISS};

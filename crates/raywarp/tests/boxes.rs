@@ -3,8 +3,9 @@
 use crate::common::{devices, every_structure, kinds_on, scene, Numbers, FAMILIES};
 use proptest::prelude::*;
 use raywarp::accel::{Accel, AccelKind, Build, Quality, TreeBox, MAX_BOXES};
-use raywarp::render::{world_triangles, Tracer};
+use raywarp::device_scene::world_triangles;
 use raywarp::scene::load;
+use raywarp::DeviceScene;
 use raywarp::Triangle;
 
 /// The boxes of a level and the leaves above it.
@@ -102,11 +103,16 @@ fn a_tracer_tells_the_boxes_that_were_built() {
     for device in devices() {
         for kind in kinds_on(&device) {
             let what = Build { kind, quality: Quality::Fast, cached: false };
-            let tracer = Tracer::new(&scene, what, &device).unwrap();
+            let on_device = DeviceScene::new(&scene, what, &device).unwrap();
             let triangles = world_triangles(&scene, &scene.instances, &scene.materials).unwrap();
             let built = Accel::build(what, triangles).unwrap();
             for level in [0, 1, 5, 64] {
-                assert_eq!(tracer.boxes(level).unwrap(), built.boxes(level), "{kind} on {}", device.description());
+                assert_eq!(
+                    on_device.structure().boxes(level).unwrap(),
+                    built.boxes(level),
+                    "{kind} on {}",
+                    device.description()
+                );
             }
         }
     }
@@ -117,18 +123,18 @@ fn boxes_go_with_what_has_moved() {
     let scene = load::builtin().unwrap().scene;
     for device in devices() {
         let what = Build { kind: AccelKind::Bvh2, quality: Quality::Fast, cached: false };
-        let mut tracer = Tracer::new(&scene, what, &device).unwrap();
+        let mut on_device = DeviceScene::new(&scene, what, &device).unwrap();
         let mut moved = scene.instances.clone();
         moved[1].transform.translation = [3.0, 40.0, -2.0];
         let triangles = world_triangles(&scene, &moved, &scene.materials).unwrap();
-        let all_are_held = |tracer: &Tracer, level| {
-            let cover = cover(&tracer.boxes(level).unwrap(), level);
+        let all_are_held = |on_device: &DeviceScene, level| {
+            let cover = cover(&on_device.structure().boxes(level).unwrap(), level);
             triangles.iter().all(|triangle| holds(&cover, triangle))
         };
-        assert!(!all_are_held(&tracer, 0));
-        assert!(tracer.move_instance(&scene, &moved, 1).unwrap());
-        assert!((0..6).all(|level| all_are_held(&tracer, level)), "{}", device.description());
-        tracer.move_instance(&scene, &scene.instances, 1).unwrap();
-        assert!(!all_are_held(&tracer, 0));
+        assert!(!all_are_held(&on_device, 0));
+        assert!(on_device.move_instances(&scene, &moved, &[1]).unwrap());
+        assert!((0..6).all(|level| all_are_held(&on_device, level)), "{}", device.description());
+        on_device.move_instances(&scene, &scene.instances, &[1]).unwrap();
+        assert!(!all_are_held(&on_device, 0));
     }
 }

@@ -5,8 +5,9 @@ use std::f32::consts::TAU;
 
 use raywarp::accel::{fastest_on, AccelKind, Build, Quality};
 use raywarp::device::{Device, Staging};
+use raywarp::device_scene::{world_triangles, Structure};
 use raywarp::image::{png, Development, ToneMap};
-use raywarp::render::{world_triangles, Film, Quantity, RenderOptions, Structure, Tracer};
+use raywarp::render::{Film, Quantity, RenderOptions, Tracer};
 use raywarp::scene::{load, Light, LightKind, Scene, Transform};
 
 use crate::common::devices;
@@ -109,7 +110,7 @@ fn an_instance_that_moves_looks_as_if_it_had_been_there() {
                         columns: [[cosine, 0.0, -sine], [0.0, 0.8, 0.0], [sine, 0.0, cosine]],
                         translation: [0.1 * step as f32, 0.05, -0.2 * sine],
                     };
-                    assert!(tracer.move_instance(&original, &moved.instances, index).unwrap());
+                    assert!(tracer.scene_mut().unwrap().move_instances(&original, &moved.instances, &[index]).unwrap());
                 }
                 let fresh = Tracer::new(&moved, bvh2(quality), &device).unwrap();
                 assert!(rendered(&tracer) == rendered(&fresh), "step {step} on {}", device.description());
@@ -118,9 +119,12 @@ fn an_instance_that_moves_looks_as_if_it_had_been_there() {
             let triangles = world_triangles(&original, &moved.instances, &moved.materials).unwrap();
             let before = rendered(&tracer);
             for kind in [fastest_on(&device), AccelKind::Kd] {
-                tracer.replace(Structure::build(&device, kind, triangles.clone()).unwrap());
+                tracer.scene_mut().unwrap().replace(Structure::build(&device, kind, triangles.clone()).unwrap());
                 assert!(rendered(&tracer) == before);
-                assert!(!tracer.move_instance(&original, &moved.instances, 0).unwrap(), "only a bvh2 can be refitted");
+                assert!(
+                    !tracer.scene_mut().unwrap().move_instances(&original, &moved.instances, &[0]).unwrap(),
+                    "only a bvh2 can be refitted"
+                );
             }
         }
     }
@@ -133,13 +137,13 @@ fn a_mirrored_instance_looks_as_if_it_had_been_there() {
     let mut tracer = Tracer::new(&original, bvh2(Quality::Fast), &device).unwrap();
     let mut instances = original.instances.clone();
     instances[0].transform.columns[0] = instances[0].transform.columns[0].map(|x| -x);
-    assert!(tracer.move_instance(&original, &instances, 0).unwrap());
+    assert!(tracer.scene_mut().unwrap().move_instances(&original, &instances, &[0]).unwrap());
     original.instances.clone_from(&instances);
     let fresh = Tracer::new(&original, bvh2(Quality::Fast), &device).unwrap();
     let [moved, fresh] =
         [&tracer, &fresh].map(|t| t.render(tracer.default_camera(), &options(), &mut |_| ()).unwrap().picture);
     assert!(moved == fresh);
-    assert!(tracer.move_instance(&original, &instances, instances.len()).is_err());
+    assert!(tracer.scene_mut().unwrap().move_instances(&original, &instances, &[instances.len()]).is_err());
 }
 
 #[test]
@@ -152,18 +156,21 @@ fn changed_lights_and_materials_look_as_if_they_had_been_read() {
             color: [0.2, 0.4, 0.1],
             ..Light::default()
         });
-        assert!(tracer.set_lights(&scene));
+        assert!(tracer.scene_mut().unwrap().set_lights(&scene));
         scene.ambient = None;
-        assert!(!tracer.set_lights(&scene), "materials reflect the built-in light by another colour");
+        assert!(
+            !tracer.scene_mut().unwrap().set_lights(&scene),
+            "materials reflect the built-in light by another colour"
+        );
         for (index, material) in scene.materials.iter_mut().enumerate() {
             material.diffuse = [0.1 * index as f32, 0.5, 0.3];
             // The structure knows which triangles let light through.
             material.transmission = if index % 2 == 0 { [0.3; 3] } else { [0.0; 3] };
         }
-        assert!(tracer.set_materials(&scene.materials, &scene.images).unwrap());
+        assert!(tracer.scene_mut().unwrap().set_materials(&scene.materials, &scene.images).unwrap());
         let fresh = Tracer::new(&scene, bvh2(Quality::Fast), &device).unwrap();
         assert!(rendered(&tracer) == rendered(&fresh), "{}", device.description());
-        assert!(tracer.set_materials(&scene.materials[1..], &scene.images).is_err());
+        assert!(tracer.scene_mut().unwrap().set_materials(&scene.materials[1..], &scene.images).is_err());
     }
 }
 

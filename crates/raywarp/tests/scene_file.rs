@@ -176,10 +176,10 @@ fn moves_set_the_whole_transform() {
 #[test]
 fn the_render_table_is_read_and_that_of_a_mesh_ignored() {
     let table = "[render]\nsize = [320, 200]\nspp = 4\nmax_depth = 0\nshadows = false\nseed = 4294967295\n\
-                 exposure = -1.5\ntone_map = \"filmic\"\naccel = \"bvh2c\"\ntree = \"high\"\n";
+                 exposure = -1.5\ntone_map = \"filmic\"\naccel = \"bvh8f\"\ntree = \"high\"\n";
     let expected =
         "size 320x200, samples 4, max depth 0, shadows off, seed 4294967295, exposure -1.5, tone map filmic, \
-                    accel bvh2c, tree high";
+                    accel bvh8f, tree high";
     assert_eq!(scene(table).render.to_string(), expected);
     assert_eq!(scene("[[meshes]]\nfile = \"base.toml\"\n").render, RenderDefaults::default());
 }

@@ -10,6 +10,13 @@ macro_rules! for_each_lab_kernel {
     ($use:ident) => {
         $crate::for_each_own_kernel! {
             $use,
+            whitted_bvh2c: $crate::product::kernels::Whitted<$crate::product::traversal::QuantizedBvh2, $crate::product::traversal::NullStatistics>,
+            whitted_bvh2c_counted: $crate::product::kernels::Whitted<$crate::product::traversal::QuantizedBvh2, $crate::product::traversal::Tests>,
+            first_hits_bvh2c: $crate::product::kernels::FirstHits<$crate::product::traversal::QuantizedBvh2>,
+            closest_bvh2c: $crate::product::kernels::Closest<$crate::product::traversal::QuantizedBvh2>,
+            occluded_bvh2c: $crate::product::kernels::Occluded<$crate::product::traversal::QuantizedBvh2>,
+            count_bvh2c: $crate::product::kernels::Count<$crate::product::traversal::QuantizedBvh2>,
+            all_bvh2c: $crate::product::kernels::All<$crate::product::traversal::QuantizedBvh2>,
             whitted_kdtrail: $crate::product::kernels::Whitted<$crate::structures::KdTrail, $crate::product::traversal::NullStatistics>,
             whitted_bvh4: $crate::product::kernels::Whitted<$crate::structures::Bvh4, $crate::product::traversal::NullStatistics>,
             whitted_bvh8: $crate::product::kernels::Whitted<$crate::structures::Bvh8, $crate::product::traversal::NullStatistics>,

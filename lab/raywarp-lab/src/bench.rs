@@ -2,7 +2,8 @@
 
 use raywarp::accel::{AccelKind, Quality};
 use raywarp::device::{Device, DeviceChoice};
-use raywarp::render::{world_triangles, Tracer};
+use raywarp::device_scene::world_triangles;
+use raywarp::render::Tracer;
 use raywarp::scene::Scene;
 use raywarp::{Ray, Triangle};
 use raywarp_cli::bench::{self, BenchOptions, Built, Structures};
@@ -38,7 +39,7 @@ impl Structures for Every {
         let mut tracer = Tracer::new(scene, AccelKind::Bvh2, device)?;
         let triangles = world_triangles(scene, &scene.instances, &scene.materials)?;
         let build = Build::from(name.parse::<StructureKind>()?);
-        tracer.replace(Tree::build(build, triangles)?.structure(build.quality, device)?);
+        tracer.scene_mut()?.replace(Tree::build(build, triangles)?.structure(build.quality, device)?);
         Ok(tracer)
     }
 }

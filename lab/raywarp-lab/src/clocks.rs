@@ -20,7 +20,7 @@ use raywarp_device::kernels::Views;
 /// # Errors
 /// As for [`Tracer::render`].
 pub fn stage_times(tracer: &Tracer, camera: &Camera, options: &RenderOptions) -> Result<Option<[u64; 3]>, RenderError> {
-    let structure = tracer.structure();
+    let structure = tracer.scene().structure();
     tracer.first_sample(camera, options, |pass| {
         if let Some(list) = structure.resident::<ResidentBrute>() {
             timed(tracer, pass, list).map(Some)
@@ -60,7 +60,7 @@ pub fn follow<C: Counter>(
     options: &RenderOptions,
     pixels: &[[u32; 2]],
 ) -> Result<Option<Vec<C>>, RenderError> {
-    let Some(tree) = tracer.structure().resident::<ResidentBvh2>() else { return Ok(None) };
+    let Some(tree) = tracer.scene().structure().resident::<ResidentBvh2>() else { return Ok(None) };
     if tracer.device().is_cuda() {
         return Ok(None);
     }

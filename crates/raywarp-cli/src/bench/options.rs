@@ -50,7 +50,7 @@ pub struct BenchOptions {
     #[arg(long, value_name = "LIST", value_delimiter = ',', help_heading = "What to measure")]
     #[arg(value_parser = values::words::<RayKind>(RayKind::ALL.map(RayKind::name)), hide_possible_values = true)]
     pub rays: Vec<RayKind>,
-    /// Structures, with commas: brute, kd, bvh2, bvh2c, bvh, bvh8f (CPUs); none: the fastest on the device, with --frames
+    /// Structures, with commas: brute, kd, bvh2, bvh, bvh8f (CPUs); none: the fastest on the device, with --frames
     /// brute, kd and that (brute takes hours on a CPU), with --live the viewer's own
     #[arg(long, visible_alias = "accel", value_name = "LIST", value_delimiter = ',')]
     #[arg(help_heading = "What to measure")]

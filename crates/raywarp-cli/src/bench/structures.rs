@@ -2,6 +2,7 @@
 
 use raywarp::accel::{self, Accel, AccelKind, Build, Quality, TreeStats};
 use raywarp::device::{Device, DeviceChoice};
+use raywarp::device_scene::Structure;
 use raywarp::query::{tests, RayCaster, Tests};
 use raywarp::render::Tracer;
 use raywarp::scene::Scene;
@@ -72,7 +73,8 @@ impl Structures for Own {
     fn build(&self, name: &str, quality: Quality, triangles: &[Triangle], device: &Device) -> Result<Built> {
         let build = Build { kind: Self::kind(name)?, quality, cached: false };
         let accel = Accel::build(build, triangles.to_vec())?;
-        let (caster, stats) = (RayCaster::of(&accel, device)?, accel.stats());
+        let (structure, stats) = (Structure::of(&accel, quality, device)?, accel.stats());
+        let caster = RayCaster::of_structure(structure, device);
         let triangle_bytes = size_of_val(&*accel.triangles());
         let count = move |rays: &[Ray], any_hit, most| tests(&accel, rays, any_hit, most);
         Ok(Built { caster, stats, triangle_bytes, tests: Box::new(count) })

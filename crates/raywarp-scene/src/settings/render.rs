@@ -106,8 +106,7 @@ settings! {
         "What PNG does with radiance above 1: clamp, filmic",
         (&["tonemap", "tone-mapping", "tonemapping", "gamma"], "filmic");
     Structure accel: AccelKind, else "the fastest on the device", "accel", "KIND", Kind::Words(&AccelKind::NAMES), None,
-        "How to find hits: brute (every triangle), kd (the paper's k-d tree), or a hierarchy of boxes: bvh2, bvh2c, bvh, \
-         bvh8f (for CPUs)",
+        "How to find hits: brute (every triangle), kd (the paper's k-d tree), or a hierarchy of boxes: bvh2, bvh, bvh8f (for CPUs)",
         (&["bvh", "structure", "accelerator", "acceleration"], "bvh2");
     Structure tree: Quality = Quality::Medium, "tree", "QUALITY", Kind::Words(&Quality::NAMES), None,
         "How good a hierarchy of boxes should be: fast (to build), medium, high (to trace)",

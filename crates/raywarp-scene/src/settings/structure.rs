@@ -13,9 +13,7 @@ pub enum AccelKind {
     Kd,
     /// Binary hierarchy of boxes, 64 bytes a node.
     Bvh2,
-    /// The same on a grid of 16 bits an axis, 32 bytes a node.
-    Bvh2c,
-    /// Both, each for the rays that it suits.
+    /// The same, and on a grid of 16 bits an axis with 32 bytes a node, each for the rays that it suits.
     #[default]
     Bvh,
     /// Eight boxes a node in full precision, for the vector instructions of a CPU; GPUs have no kernels for it.
@@ -24,17 +22,11 @@ pub enum AccelKind {
 
 impl AccelKind {
     /// Every kind.
-    pub const ALL: [Self; 6] = [Self::Brute, Self::Kd, Self::Bvh2, Self::Bvh2c, Self::Bvh, Self::Bvh8f];
+    pub const ALL: [Self; 5] = [Self::Brute, Self::Kd, Self::Bvh2, Self::Bvh, Self::Bvh8f];
 
     /// Their names, likewise.
-    pub const NAMES: [&'static str; 6] = [
-        Self::Brute.name(),
-        Self::Kd.name(),
-        Self::Bvh2.name(),
-        Self::Bvh2c.name(),
-        Self::Bvh.name(),
-        Self::Bvh8f.name(),
-    ];
+    pub const NAMES: [&'static str; 5] =
+        [Self::Brute.name(), Self::Kd.name(), Self::Bvh2.name(), Self::Bvh.name(), Self::Bvh8f.name()];
 
     /// Whether this is a hierarchy of boxes, in some layout. Those come in several qualities, and are kept on disk.
     pub const fn is_hierarchy(self) -> bool {
@@ -47,7 +39,6 @@ impl AccelKind {
             Self::Brute => "brute",
             Self::Kd => "kd",
             Self::Bvh2 => "bvh2",
-            Self::Bvh2c => "bvh2c",
             Self::Bvh => "bvh",
             Self::Bvh8f => "bvh8f",
         }
@@ -62,7 +53,7 @@ impl fmt::Display for AccelKind {
 
 /// A name that belongs to no structure.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("'{0}' is no acceleration structure; expected brute, kd, bvh2, bvh2c, bvh or bvh8f")]
+#[error("'{0}' is no acceleration structure; expected brute, kd, bvh2, bvh or bvh8f")]
 pub struct UnknownKind(pub String);
 
 impl FromStr for AccelKind {

@@ -36,7 +36,6 @@ impl Accel {
             Self::Brute(list) => of_list(list.triangles(), level),
             Self::Kd(tree) => of_cells(tree.nodes(), tree.bounds(), level),
             Self::Bvh2(tree) => of_bvh2(tree.nodes(), level),
-            Self::Bvh2c(tree) => of_compact(tree.nodes(), &tree.grid, level),
             Self::Bvh(tree) => of_bvh2(tree.full.nodes(), level),
             Self::Bvh8f(tree) => of_wide(tree.nodes(), level, bvh8f::told),
         }

@@ -36,6 +36,11 @@ impl QuantizedBvh2 {
         &self.nodes
     }
 
+    /// What their planes are counted in.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
     /// In the order of the leaves.
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles

@@ -65,8 +65,7 @@ pub use kind::{fastest_on, Build};
 #[doc(no_inline)]
 pub use raywarp_core::traversal;
 pub use resident::{
-    Rendered, Resident, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd, ResidentQuantized,
-    ResidentTwoLevel,
+    Rendered, Resident, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd, ResidentTwoLevel,
 };
 pub use resident_instances::{ResidentKdTrees, ResidentLists};
 pub use stats::{TreeStats, NODE_COST, TRIANGLE_COST};
@@ -84,9 +83,7 @@ pub enum Accel {
     Kd(kdtree::KdTree),
     /// A binary hierarchy of boxes.
     Bvh2(bvh2::Bvh2),
-    /// The same in half the memory.
-    Bvh2c(bvh2_quantized::QuantizedBvh2),
-    /// Both.
+    /// The same in nodes of two sizes.
     Bvh(bvh2_dual::DualBvh2),
     /// Eight boxes a node in full precision.
     Bvh8f(bvh8f::Bvh8f),
@@ -112,7 +109,6 @@ impl Accel {
     /// More triangles than an index of the layout can tell apart.
     pub fn laid_out(kind: AccelKind, tree: bvh2::Bvh2) -> Result<Self, BuildError> {
         Ok(match kind {
-            AccelKind::Bvh2c => Self::Bvh2c(bvh2_quantized::QuantizedBvh2::new(tree)),
             AccelKind::Bvh => Self::Bvh(bvh2_dual::DualBvh2::new(tree)),
             AccelKind::Bvh8f => Self::Bvh8f(bvh8f::Bvh8f::from_bvh2(&tree)?),
             AccelKind::Brute | AccelKind::Kd | AccelKind::Bvh2 => Self::Bvh2(tree),
@@ -125,7 +121,6 @@ impl Accel {
             Self::Brute(_) => AccelKind::Brute,
             Self::Kd(_) => AccelKind::Kd,
             Self::Bvh2(_) => AccelKind::Bvh2,
-            Self::Bvh2c(_) => AccelKind::Bvh2c,
             Self::Bvh(_) => AccelKind::Bvh,
             Self::Bvh8f(_) => AccelKind::Bvh8f,
         }
@@ -140,7 +135,6 @@ impl Accel {
             Self::Brute(_) => Ok(()),
             Self::Kd(tree) => tree.validate(),
             Self::Bvh2(tree) => tree.validate(),
-            Self::Bvh2c(tree) => tree.validate(),
             Self::Bvh(tree) => tree.validate(),
             Self::Bvh8f(tree) => tree.validate(),
         }
@@ -152,7 +146,6 @@ impl Accel {
             Self::Brute(list) => list.stats(),
             Self::Kd(tree) => tree.stats(),
             Self::Bvh2(tree) => tree.stats(),
-            Self::Bvh2c(tree) => tree.stats(),
             Self::Bvh(tree) => tree.stats(),
             Self::Bvh8f(tree) => tree.stats(),
         }
@@ -166,7 +159,6 @@ impl Accel {
             Self::Brute(list) => list.triangles().into(),
             Self::Kd(tree) => tree.triangles().into(),
             Self::Bvh2(tree) => tree.triangles().into(),
-            Self::Bvh2c(tree) => tree.triangles().into(),
             Self::Bvh(tree) => tree.triangles().into(),
             Self::Bvh8f(tree) => tree.triangles().into(),
         }
@@ -178,7 +170,6 @@ impl Accel {
             Self::Brute(list) => closest(&list.view(), ray, previous, counter),
             Self::Kd(tree) => closest(&tree.view(), ray, previous, counter),
             Self::Bvh2(tree) => closest(&tree.view(), ray, previous, counter),
-            Self::Bvh2c(tree) => closest(&tree.view(), ray, previous, counter),
             Self::Bvh(tree) => closest(&tree.view(), ray, previous, counter),
             Self::Bvh8f(tree) => closest(&tree.view(), ray, previous, counter),
         }
@@ -190,7 +181,6 @@ impl Accel {
             Self::Brute(list) => occlusion(&list.view(), ray, counter),
             Self::Kd(tree) => occlusion(&tree.view(), ray, counter),
             Self::Bvh2(tree) => occlusion(&tree.view(), ray, counter),
-            Self::Bvh2c(tree) => occlusion(&tree.view(), ray, counter),
             Self::Bvh(tree) => occlusion(&tree.view(), ray, counter),
             Self::Bvh8f(tree) => occlusion(&tree.view(), ray, counter),
         }

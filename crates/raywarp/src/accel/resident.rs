@@ -8,7 +8,7 @@ use raywarp_device::kernels::Views;
 use super::boxes::{self, TreeBox};
 use super::kdtree::KdTree;
 use super::two_level::{TwoLevel, UpperTree};
-use super::{brute, bvh2_dual, bvh2_quantized as host};
+use super::{brute, bvh2_dual};
 use crate::device::{Buffer, Device, DeviceError};
 
 /// What traversal reads, in buffers of a device. Whatever implements this is traced by every kernel of queries: raywarp's own
@@ -70,7 +70,6 @@ resident! {
     ResidentBrute: traversal::Brute, list => traversal::Brute { triangles: list.triangles.view() };
     ResidentKd: traversal::KdTree, tree => tree.view();
     ResidentBvh2: traversal::Bvh2, tree => tree.view();
-    ResidentQuantized: QuantizedBvh2, tree => tree.view();
     ResidentBvh8f: traversal::Bvh8f, tree => {
         traversal::Bvh8f { nodes: tree.nodes.view(), blocks: tree.blocks.view() }
     };
@@ -166,35 +165,6 @@ impl ResidentBvh2 {
 unsafe impl Rendered for ResidentBvh2 {
     fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
         Ok(boxes::of_bvh2(&self.nodes.items()?, level))
-    }
-}
-
-/// The same with small nodes.
-pub struct ResidentQuantized {
-    nodes: Buffer<bvh2_quantized::Node>,
-    triangles: Buffer<Triangle>,
-    grid: bvh2_quantized::Grid,
-}
-
-impl ResidentQuantized {
-    /// Copies it there.
-    ///
-    /// # Errors
-    /// The device has no room.
-    pub fn upload(device: &Device, tree: &host::QuantizedBvh2) -> Result<Self, DeviceError> {
-        let (nodes, triangles) = (device.upload(tree.nodes())?, device.upload(tree.triangles())?);
-        Ok(Self { nodes, triangles, grid: tree.grid })
-    }
-
-    fn view(&self) -> QuantizedBvh2 {
-        QuantizedBvh2 { nodes: self.nodes.view(), triangles: self.triangles.view(), grid: self.grid }
-    }
-}
-
-// SAFETY: as above.
-unsafe impl Rendered for ResidentQuantized {
-    fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
-        Ok(boxes::of_compact(&self.nodes.items()?, &self.grid, level))
     }
 }
 

@@ -25,18 +25,14 @@ struct Placements {
 impl Placements {
     /// As in a structure of two levels.
     fn of(device: &Device, tree: &TwoLevel) -> Result<Self, DeviceError> {
-        let placed = |instance: &Instance| Instance { root: Child::node(tree.part_of(instance)), ..*instance };
-        let instances: Vec<Instance> = tree.instances().iter().map(placed).collect();
+        let instances = rooted(tree.instances(), tree.instances().iter().map(|instance| tree.part_of(instance)));
         let (nodes, instances) = (device.upload(&tree.nodes()[..tree.upper_nodes()])?, device.upload(&instances)?);
         Ok(Self { nodes, instances, slack: tree.slack })
     }
 
     /// Takes over where instances are now.
     fn set(&mut self, upper: &UpperTree) -> Result<(), DeviceError> {
-        let placed = |(instance, root): (&Instance, Child)| Instance { root, ..*instance };
-        let roots = self.instances.to_vec()?.into_iter().map(|instance| instance.root);
-        let instances: Vec<Instance> = upper.instances().iter().zip(roots).map(placed).collect();
-        self.instances.write(0, &instances)?;
+        self.instances.write(0, &rooted(upper.instances(), upper.meshes().iter().copied()))?;
         self.nodes.write(0, &upper.nodes())?;
         self.slack = upper.slack();
         Ok(())
@@ -52,6 +48,11 @@ impl Placements {
         let (nodes, instances) = (self.nodes.view(), self.instances.view());
         Instances { meshes, parts, nodes, instances, slack: self.slack }
     }
+}
+
+/// Instances whose roots are their meshes' indices: a structure of each has its arrays by them.
+fn rooted(instances: &[Instance], meshes: impl Iterator<Item = u32>) -> Vec<Instance> {
+    instances.iter().zip(meshes).map(|(instance, mesh)| Instance { root: Child::node(mesh), ..*instance }).collect()
 }
 
 /// Lists of triangles, one a mesh.

@@ -1,19 +1,15 @@
 //! What can go wrong with a query, as sentences.
 
-use crate::accel::BuildError;
 use crate::device::DeviceError;
-use crate::render::RenderError;
+use crate::device_scene::SceneError;
 
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum QueryError {
-    /// The scene's parts do not fit together.
+    /// The scene is not on the device.
     #[error(transparent)]
-    Scene(RenderError),
-    /// The structure cannot hold the triangles.
-    #[error(transparent)]
-    Build(#[from] BuildError),
+    Scene(SceneError),
     /// The device fails.
     #[error(transparent)]
     Device(#[from] DeviceError),
@@ -39,11 +35,10 @@ pub enum QueryError {
     },
 }
 
-impl From<RenderError> for QueryError {
-    fn from(error: RenderError) -> Self {
+impl From<SceneError> for QueryError {
+    fn from(error: SceneError) -> Self {
         match error {
-            RenderError::Build(error) => Self::Build(error),
-            RenderError::Device(error) => Self::Device(error),
+            SceneError::Device(error) => Self::Device(error),
             other => Self::Scene(other),
         }
     }

@@ -23,18 +23,13 @@ mod timed;
 mod workload;
 
 use std::sync::Arc;
-use std::time::Instant;
 
-use crate::accel::two_level::TwoLevel;
-use crate::accel::{
-    cache, check_device, drop_degenerate, Accel, Build, Dropped, Resident, ResidentTwoLevel, TreeStats,
-};
+use crate::accel::Build;
 use crate::device::Device;
-use crate::render::{upload, upload_instances, Flat};
+use crate::device_scene::{DeviceScene, Levels, Report, SceneError, Structure};
 use crate::scene::Scene;
 use crate::{Hit, Ray, Triangle};
 
-pub use crate::render::{two_level, Levels};
 pub use batch::{Batch, Progress};
 pub use coherence::Coherence;
 pub use cost::{sampled, tests, Cost};
@@ -73,128 +68,49 @@ pub use workload::{opaque_triangles, PixelOrder, RaySource, Spot, Workload};
 /// ```
 #[derive(Clone)]
 pub struct RayCaster {
-    shared: Arc<Shared>,
+    scene: Arc<DeviceScene>,
     /// What is expected of rays in buffers.
     expected: Coherence,
 }
 
-struct Shared {
-    device: Device,
-    structure: Box<dyn QueryKernels>,
-    report: Report,
-}
-
-/// What became of the triangles on their way to the device.
-#[derive(Clone, Debug, Default)]
-pub struct Report {
-    /// Triangles that can be hit.
-    pub triangles: usize,
-    /// Triangles that cannot.
-    pub dropped: Dropped,
-    /// The structure.
-    pub tree: TreeStats,
-    /// Seconds to build the structure, or to read it from the cache.
-    pub build_seconds: f64,
-    /// Why the structure could not be kept on disk, as a sentence without the full stop.
-    pub warning: Option<String>,
-}
-
-impl Report {
-    fn of_instanced(tree: &TwoLevel) -> Self {
-        let stats = tree.stats();
-        Self { triangles: stats.seen as usize, tree: tree.tree_stats(), ..Self::default() }
-    }
-}
-
 impl RayCaster {
-    /// Builds a structure over the triangles of all instances and copies it to a device.
+    /// Brings the geometry of a scene to a device.
     ///
     /// # Errors
     /// The scene has indices out of range, or too many triangles for the structure or for the device's memory.
     pub fn from_scene(scene: &Scene, what: impl Into<Build>, device: &Device) -> Result<Self, QueryError> {
-        Self::from_scene_in(scene, Levels::Auto, what, device)
+        Ok(Self::of_scene(Arc::new(DeviceScene::geometry(scene, Levels::Auto, what, device)?)))
     }
 
-    /// The same, in one level or two.
-    ///
-    /// # Errors
-    /// As for [`from_scene`](Self::from_scene).
-    pub fn from_scene_in(
-        scene: &Scene,
-        levels: Levels,
-        what: impl Into<Build>,
-        device: &Device,
-    ) -> Result<Self, QueryError> {
-        let what = what.into();
-        if !levels.are_two(scene) {
-            return Self::build(Flat::of(scene)?.triangles, what, device);
-        }
-        let start = Instant::now();
-        let tree = two_level(scene, what.quality)?;
-        let build_seconds = start.elapsed().as_secs_f64();
-        let structure = upload_instances(device, what.kind, &tree)?;
-        let report = Report { build_seconds, ..Report::of_instanced(&tree) };
-        Ok(Self::sharing(Shared { device: device.clone(), structure, report }))
-    }
-
-    /// Builds a structure over the triangles that can be hit and copies it to a device. Hits say the primitive and the
-    /// instance that the triangles have.
+    /// Of the triangles that can be hit, brought to a device. Hits say the primitive and the instance that the triangles have.
     ///
     /// # Errors
     /// Too many triangles for the structure or for the device's memory.
     pub fn new(triangles: Vec<Triangle>, what: impl Into<Build>, device: &Device) -> Result<Self, QueryError> {
-        Self::build(triangles, what.into(), device)
+        Ok(Self::of_scene(Arc::new(DeviceScene::of_triangles(triangles, what, device)?)))
     }
 
-    fn build(triangles: Vec<Triangle>, what: Build, device: &Device) -> Result<Self, QueryError> {
-        check_device(what.kind, device)?;
-        let start = Instant::now();
-        let (triangles, dropped) = drop_degenerate(triangles);
-        let count = triangles.len();
-        let built = cache::build(what, triangles)?;
-        let accel = built.accel;
-        let build_seconds = start.elapsed().as_secs_f64();
-        let warning = built.warning.map(|warning| warning.to_string());
-        let report = Report { triangles: count, dropped, tree: accel.stats(), build_seconds, warning };
-        device.reserve(report.tree.bytes as u64, "the scene")?;
-        let structure = upload(device, &accel)?;
-        Ok(Self::sharing(Shared { device: device.clone(), structure, report }))
+    /// Of a structure that is on the device already.
+    pub fn of_structure(structure: Structure, device: &Device) -> Self {
+        Self::of_scene(Arc::new(DeviceScene::of_structure(structure, device)))
     }
 
-    /// Copies a structure that was built elsewhere to a device.
+    /// Of a scene that is on its device, and may be shared.
+    pub fn of_scene(scene: Arc<DeviceScene>) -> Self {
+        Self { scene, expected: Coherence::Incoherent }
+    }
+
+    /// The scene, for others to hold.
+    pub fn scene(&self) -> &Arc<DeviceScene> {
+        &self.scene
+    }
+
+    /// The scene, to be changed.
     ///
     /// # Errors
-    /// The device has no room for it, or no kernels.
-    pub fn of(accel: &Accel, device: &Device) -> Result<Self, QueryError> {
-        check_device(accel.kind(), device)?;
-        let report = Report { triangles: accel.triangles().len(), tree: accel.stats(), ..Report::default() };
-        device.reserve(report.tree.bytes as u64, "the structure")?;
-        let structure = upload(device, accel)?;
-        Ok(Self::sharing(Shared { device: device.clone(), structure, report }))
-    }
-
-    /// A structure of others that is on a device already.
-    ///
-    /// # Safety
-    /// It is on that one.
-    pub unsafe fn of_resident(resident: impl Resident, stats: TreeStats, device: &Device) -> Self {
-        let report = Report { triangles: stats.references - stats.duplicates, tree: stats, ..Report::default() };
-        let structure = Box::new(resident);
-        Self::sharing(Shared { device: device.clone(), structure, report })
-    }
-
-    /// Copies a structure of two levels to a device.
-    ///
-    /// # Errors
-    /// The device has no room.
-    pub fn from_instanced(tree: &TwoLevel, device: &Device) -> Result<Self, QueryError> {
-        let structure = Box::new(ResidentTwoLevel::upload(device, tree)?);
-        let report = Report::of_instanced(tree);
-        Ok(Self::sharing(Shared { device: device.clone(), structure, report }))
-    }
-
-    fn sharing(shared: Shared) -> Self {
-        Self { shared: Arc::new(shared), expected: Coherence::Incoherent }
+    /// [`SceneError::Shared`] where others hold it: tracers, other casters, batches that are under way.
+    pub fn scene_mut(&mut self) -> Result<&mut DeviceScene, SceneError> {
+        DeviceScene::exclusive(&mut self.scene)
     }
 
     /// The same for batches of rays in buffers of the device that are more often than not of this kind, which makes them
@@ -203,14 +119,14 @@ impl RayCaster {
         Self { expected: coherence, ..self.clone() }
     }
 
-    /// What became of the triangles.
+    /// What became of the scene.
     pub fn report(&self) -> &Report {
-        &self.shared.report
+        self.scene.report()
     }
 
     /// Where rays are traced.
     pub fn device(&self) -> &Device {
-        &self.shared.device
+        self.scene.device()
     }
 
     /// The closest hit of each ray; of several at the same distance that of the smallest instance and primitive.
@@ -259,6 +175,6 @@ impl RayCaster {
     }
 
     fn structure(&self) -> &dyn QueryKernels {
-        &*self.shared.structure
+        &*self.scene.structure().resident
     }
 }

@@ -124,8 +124,7 @@ impl Answers {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::Accel;
-    use crate::accel::{AccelKind, Build};
+    use crate::accel::AccelKind;
     use crate::device::Device;
     use crate::device::DeviceChoice;
     use crate::{Triangle, Vec3};
@@ -137,8 +136,7 @@ mod tests {
         let rays: Vec<_> = (0..300).map(|i| down(i as f32 * 0.01)).collect();
         let device = Device::open(DeviceChoice::Cpu).unwrap();
         for kind in AccelKind::ALL {
-            let structure = Accel::build(Build::from(kind), vec![floor]).unwrap();
-            let caster = RayCaster::of(&structure, &device).unwrap();
+            let caster = RayCaster::new(vec![floor], kind, &device).unwrap();
             for any_hit in [false, true] {
                 let mut batch = caster.timed(&rays, any_hit).unwrap();
                 let seconds = batch.time(1, 3).unwrap();

@@ -10,7 +10,8 @@ use raywarp_core::shade::optics::reflect;
 
 use super::RayKind;
 use crate::accel::drop_degenerate;
-use crate::render::{camera, flatten, RenderError};
+use crate::device_scene::flatten;
+use crate::render::{camera, RenderError};
 use crate::scene::{Camera, Scene};
 use crate::{Hit, Ray, Triangle, Vec3};
 

@@ -35,14 +35,14 @@ impl Tracer {
         let mut film = self.device.zeroed::<Pixel>(window.pixels())?;
         let mut tests = self.device.zeroed::<Tests>(window.pixels())?;
         let mut ticks = self.device.zeroed::<u32>(window.pixels())?;
-        let lights = self.lighting.upload(&self.device, camera)?;
+        let lights = self.scene.appearance()?.lighting.upload(&self.device, camera)?;
         let pass = Pass {
             film: film.view_mut(),
             tests: tests.view_mut(),
             ticks: ticks.view_mut(),
             ..self.whole(camera, options, window, &lights)?
         };
-        passes::shade(&self.device, &*self.structure.resident, &pass)?;
+        passes::shade(&self.device, self.kernels(), &pass)?;
         Ok(PixelCosts { tests: tests.download()?, ticks: ticks.download()? })
     }
 
@@ -58,7 +58,7 @@ impl Tracer {
         measure: impl FnOnce(&Pass) -> Result<T, RenderError>,
     ) -> Result<T, RenderError> {
         let window = options.check()?;
-        let lights = self.lighting.upload(&self.device, camera)?;
+        let lights = self.scene.appearance()?.lighting.upload(&self.device, camera)?;
         measure(&self.whole(camera, options, window, &lights)?)
     }
 
@@ -71,7 +71,7 @@ impl Tracer {
         lights: &Lights,
     ) -> Result<Pass, RenderError> {
         Ok(Pass {
-            scene: self.scene.view(lights, &self.lighting),
+            scene: self.scene.appearance()?.view(lights),
             frame: Frame {
                 camera: camera::kernel_camera(camera, options.size)?,
                 origin: window.origin,

@@ -15,7 +15,7 @@ impl Tracer {
     /// [`RenderError::Camera`] for a camera that cannot have taken it.
     pub fn cut_out(&self, picture: &mut Picture, camera: &Camera) -> Result<(), RenderError> {
         let camera = camera::kernel_camera(camera, picture.whole)?;
-        let (background, [left, top]) = (self.lighting.background, picture.origin);
+        let (background, [left, top]) = (self.scene.appearance()?.lighting.background, picture.origin);
         let width = picture.width.max(1) as usize;
         picture.pixels.par_chunks_mut(width).enumerate().for_each(|(row, pixels)| {
             for (column, [r, g, b, share]) in pixels.iter_mut().enumerate() {

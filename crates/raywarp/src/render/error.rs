@@ -1,7 +1,7 @@
 //! What can go wrong between a scene and its picture.
 
-use crate::accel::BuildError;
 use crate::device::DeviceError;
+use crate::device_scene::SceneError;
 
 /// A camera as people know it: one that no file names has a name of raywarp's own.
 fn camera(name: &str) -> String {
@@ -26,18 +26,19 @@ pub enum RenderError {
         /// What is wrong with it.
         problem: &'static str,
     },
-    /// The scene's parts do not fit together: a file's reader or a caller made it wrong.
-    #[error("{part} of {mesh} is out of range")]
-    Scene {
-        /// The mesh or instance.
-        mesh: String,
-        /// The index that is wrong.
-        part: &'static str,
-    },
-    /// The structure cannot hold the scene.
+    /// The scene is not on the device.
     #[error(transparent)]
-    Build(#[from] BuildError),
+    Scene(SceneError),
     /// The device fails.
     #[error(transparent)]
     Device(#[from] DeviceError),
+}
+
+impl From<SceneError> for RenderError {
+    fn from(error: SceneError) -> Self {
+        match error {
+            SceneError::Device(error) => Self::Device(error),
+            other => Self::Scene(other),
+        }
+    }
 }

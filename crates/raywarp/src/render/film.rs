@@ -208,9 +208,9 @@ impl Tracer {
         }
         let step = film.next(options.spp, seconds);
         let [width, height] = film.size;
-        let lights = self.lighting.upload(&self.device, camera)?;
+        let lights = self.scene.appearance()?.lighting.upload(&self.device, camera)?;
         let pass = passes::Pass {
-            scene: self.scene.view(&lights, &self.lighting),
+            scene: self.scene.appearance()?.view(&lights),
             frame: Frame {
                 camera: camera::kernel_camera(camera, film.size)?,
                 origin: [0, step.rows[0]],
@@ -224,7 +224,7 @@ impl Tracer {
             tests: ViewMut::EMPTY,
             ticks: ViewMut::EMPTY,
         };
-        exposure.kernel_seconds = passes::shade(&self.device, &*self.structure.resident, &pass)?.wait()?;
+        exposure.kernel_seconds = passes::shade(&self.device, self.kernels(), &pass)?.wait()?;
         exposure.pixel_samples = step.pixel_samples(width);
         film.took(step, exposure.kernel_seconds);
         exposure.complete = film.samples >= options.spp && step.rows[1] == height;
@@ -252,7 +252,7 @@ impl Tracer {
         let mut tests = self.device.zeroed::<Tests>(counted)?;
         let mut ticks = self.device.zeroed::<u32>(counted)?;
         let mut unseen = self.device.zeroed::<Pixel>(counted)?;
-        let lights = self.lighting.upload(&self.device, camera)?;
+        let lights = self.scene.appearance()?.lighting.upload(&self.device, camera)?;
         let pass = passes::Pass {
             film: unseen.view_mut(),
             tests: tests.view_mut(),
@@ -260,9 +260,9 @@ impl Tracer {
             ..self.whole(camera, &options, window, &lights)?
         };
         let launch = if costs {
-            passes::shade(&self.device, &*self.structure.resident, &pass)?
+            passes::shade(&self.device, self.kernels(), &pass)?
         } else {
-            passes::first_hits(&self.device, &*self.structure.resident, &pass, first_hits.view_mut())?
+            passes::first_hits(&self.device, self.kernels(), &pass, first_hits.view_mut())?
         };
         let mut seconds = launch.wait()?;
         let shown = Shown {

@@ -1,79 +1,50 @@
-//! From a scene to a picture: flatten it, build the tree, put both on a device, trace.
+//! From a scene on its device to a picture.
 
-mod arrange;
 mod band_queue;
 mod bands;
 pub(crate) mod camera;
-mod changes;
 mod costs;
 mod cut_out;
 mod error;
 mod film;
-pub(crate) mod flatten;
 mod framing;
-mod levels;
-mod lighting;
-mod materials;
 mod options;
-mod passes;
-mod resident;
-mod structure;
+pub(crate) mod passes;
 
-use std::ops::Range;
-use std::time::Instant;
+use std::sync::Arc;
 
 use raywarp_core::film::Pixel;
 use raywarp_core::kernels::{FirstHit, Frame};
 use raywarp_core::shade::whitted::Limits;
-use raywarp_core::surface;
 use raywarp_core::traversal::Tests;
 use raywarp_core::view::ViewMut;
 use raywarp_device::kernels::Views;
 
-use crate::accel::{Build, Dropped, TreeStats};
+use crate::accel::Build;
 use crate::device::{Buffer, Device};
+use crate::device_scene::{DeviceScene, Report, SceneError};
 use crate::image::Picture;
 use crate::scene::{Camera, Scene, Viewpoint};
-use arrange::Arranged;
 use band_queue::BandQueue;
 use bands::Bands;
-use changes::NodesByDepth;
-pub(crate) use flatten::Flat;
-use lighting::Lighting;
+pub(crate) use framing::turn_to;
 use options::Window;
-use resident::ResidentScene;
 
 pub use camera::{axes, ray};
-pub use changes::world_triangles;
 pub use costs::PixelCosts;
 pub use error::RenderError;
 pub use film::{Exposure, Film, Painted, Quantity};
-pub(crate) use flatten::{check_instance, check_mesh, flags_of};
 pub use framing::{chosen_camera, framing};
-pub use levels::{two_level, Levels};
-pub use lighting::{ambient, sky};
 pub use options::{RenderOptions, MAX_DEPTH, MAX_SIDE, MAX_SPP};
 #[doc(hidden)]
 pub use passes::Pass;
-pub(crate) use passes::{upload, upload_instances};
-pub use structure::Structure;
 
-/// A scene on a device, ready to be traced from any camera.
+/// Takes pictures of a scene on a device, from any camera.
 pub struct Tracer {
+    scene: Arc<DeviceScene>,
+    /// The scene's, with the shape of the blocks that are launched.
     device: Device,
-    scene: ResidentScene,
-    structure: Structure,
-    lighting: Lighting,
     camera: Camera,
-    report: Report,
-    /// Where the instances are.
-    instances: Vec<surface::Instance>,
-    /// Where their vertices are.
-    vertices: Vec<Range<usize>>,
-    /// Of the triangles of each material.
-    flags: Vec<u32>,
-    /// Of the structure, once something has moved.
-    levels: Option<NodesByDepth>,
 }
 
 /// The scene's first camera, or one that frames all of it from the front, right and above in a picture of the size that the
@@ -89,31 +60,6 @@ pub fn default_camera(scene: &Scene) -> Camera {
 /// [`RenderError::Camera`] says why not.
 pub fn check_camera(camera: &Camera) -> Result<(), RenderError> {
     camera::kernel_camera(camera, [1, 1]).map(drop)
-}
-
-/// What became of the scene on its way to the device.
-#[derive(Clone, Debug)]
-pub struct Report {
-    /// Triangles that can be hit.
-    pub triangles: usize,
-    /// Triangles that cannot.
-    pub dropped: Dropped,
-    /// Vertices of all instances.
-    pub vertices: usize,
-    /// Low and high corner of all triangles; both zero where there are none.
-    pub bounds: [[f32; 3]; 2],
-    /// The structure.
-    pub tree: TreeStats,
-    /// Bytes on the device, without the picture.
-    pub device_bytes: u64,
-    /// Seconds to bring all instances to world space.
-    pub flatten_seconds: f64,
-    /// Seconds to build the structure.
-    pub build_seconds: f64,
-    /// Seconds to copy everything to the device.
-    pub upload_seconds: f64,
-    /// What the renderer added by its own choice, each a sentence without the full stop.
-    pub notes: Vec<String>,
 }
 
 /// How far a rendering is, in samples of all pixels.
@@ -143,81 +89,53 @@ pub struct Rendering {
 }
 
 impl Tracer {
-    /// Prepares a scene.
+    /// Brings a scene to a device.
     ///
     /// # Errors
     /// [`RenderError`] where the scene is too large for the structure or for the device's memory.
     pub fn new(scene: &Scene, accel: impl Into<Build>, device: &Device) -> Result<Self, RenderError> {
-        Self::with_levels(scene, Levels::Auto, accel, device)
+        Self::of_scene(Arc::new(DeviceScene::new(scene, accel, device)?))
     }
 
-    /// The same, with instances or without. Pictures of the two may differ where rounding decides, as rays are brought to
-    /// the space of a mesh or its triangles to world space.
+    /// Of a scene that is on its device, and may be shared.
     ///
     /// # Errors
-    /// As for [`new`](Self::new).
-    pub fn with_levels(
-        scene: &Scene,
-        levels: Levels,
-        accel: impl Into<Build>,
-        device: &Device,
-    ) -> Result<Self, RenderError> {
-        let start = Instant::now();
-        let Arranged { flat, tree, triangles: count, dropped, bounds } = if levels.are_two(scene) {
-            Arranged::shared(scene, accel.into())?
-        } else {
-            Arranged::in_world(scene, accel.into(), device)?
-        };
-        let flatten_seconds = start.elapsed().as_secs_f64() - tree.build_seconds;
-        let estimate = ResidentScene::bytes(&flat, scene) + tree.stats.bytes as u64;
-        device.reserve(estimate, "the scene")?;
+    /// [`SceneError::GeometryAlone`] for one that is for queries alone.
+    pub fn of_scene(scene: Arc<DeviceScene>) -> Result<Self, RenderError> {
+        let (device, camera) = (scene.device().clone(), scene.appearance()?.camera.clone());
+        Ok(Self { scene, device, camera })
+    }
 
-        let start = Instant::now();
-        let resident = ResidentScene::upload(device, &flat, scene)?;
-        let structure = tree.upload(device)?;
-        let upload_seconds = start.elapsed().as_secs_f64();
+    /// The scene, for others to hold.
+    pub fn scene(&self) -> &Arc<DeviceScene> {
+        &self.scene
+    }
 
-        let lighting = Lighting::of(scene);
-        let camera = default_camera(scene);
-        let mut notes = lighting.notes.clone();
-        if scene.cameras.is_empty() {
-            notes.push("no camera in the scene: it is framed".to_owned());
-        }
-        notes.extend(structure.warning.clone());
-        let report = Report {
-            triangles: count,
-            dropped,
-            vertices: flat.positions.len(),
-            bounds,
-            tree: structure.stats,
-            device_bytes: estimate,
-            flatten_seconds,
-            build_seconds: structure.build_seconds,
-            upload_seconds,
-            notes,
-        };
-        Ok(Self {
-            device: device.clone(),
-            scene: resident,
-            structure,
-            lighting,
-            camera,
-            report,
-            instances: flat.instances,
-            vertices: flat.vertices,
-            flags: scene.materials.iter().map(flags_of).collect(),
-            levels: None,
-        })
+    /// The scene, to be changed.
+    ///
+    /// # Errors
+    /// [`SceneError::Shared`] where others hold it.
+    pub fn scene_mut(&mut self) -> Result<&mut DeviceScene, SceneError> {
+        DeviceScene::exclusive(&mut self.scene)
     }
 
     /// What became of the scene.
     pub fn report(&self) -> &Report {
-        &self.report
+        self.scene.report()
     }
 
     /// Where it traces.
     pub fn device(&self) -> &Device {
         &self.device
+    }
+
+    /// Launches in blocks of so many columns and rows from now on, or of the usual shape.
+    ///
+    /// # Errors
+    /// As for [`Device::with_block`](crate::device::Device::with_block).
+    pub fn set_block(&mut self, block: Option<[u32; 2]>) -> Result<(), RenderError> {
+        self.device = self.device.with_block(block)?;
+        Ok(())
     }
 
     /// The scene's first camera, or one that frames it: [`default_camera`].
@@ -245,8 +163,9 @@ impl Tracer {
         let mut tests = self.device.zeroed::<Tests>(counted)?;
 
         // Bands of rows, each large enough to fill the device and small enough to report on.
-        let lights = self.lighting.upload(&self.device, camera)?;
-        let scene = self.scene.view(&lights, &self.lighting);
+        let appearance = self.scene.appearance()?;
+        let lights = appearance.lighting.upload(&self.device, camera)?;
+        let scene = appearance.view(&lights);
         let camera = camera::kernel_camera(camera, options.size)?;
         let is_gpu = self.device.is_cuda();
         let mut queue = BandQueue::new(Bands::new(window, options.spp, is_gpu), is_gpu, progress);
@@ -268,7 +187,7 @@ impl Tracer {
                 tests: tests.view_mut(),
                 ticks: ViewMut::EMPTY,
             };
-            queue.push(band, passes::shade(&self.device, &*self.structure.resident, &pass)?);
+            queue.push(band, passes::shade(&self.device, self.kernels(), &pass)?);
         }
         finish(options, film, tests, queue.kernel_seconds, queue.launches, window)
     }
@@ -281,10 +200,14 @@ impl Tracer {
         let window = options.check()?;
         self.device.reserve((window.pixels() * std::mem::size_of::<FirstHit>()) as u64, "the layers of the picture")?;
         let mut first_hits = self.device.zeroed::<FirstHit>(window.pixels())?;
-        let lights = self.lighting.upload(&self.device, camera)?;
+        let lights = self.scene.appearance()?.lighting.upload(&self.device, camera)?;
         let pass = self.whole(camera, options, window, &lights)?;
-        passes::first_hits(&self.device, &*self.structure.resident, &pass, first_hits.view_mut())?;
+        passes::first_hits(&self.device, self.kernels(), &pass, first_hits.view_mut())?;
         Ok(first_hits.download()?)
+    }
+
+    fn kernels(&self) -> &dyn passes::FrameKernels {
+        &*self.scene.structure().resident
     }
 }
 

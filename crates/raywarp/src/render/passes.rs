@@ -10,15 +10,9 @@ use raywarp_core::traversal::{NullStatistics, RecordedStatistics, Structure, Tes
 use raywarp_core::view::ViewMut;
 use raywarp_device::kernels::{Launchable, Timed};
 
-use crate::accel::two_level::TwoLevel;
-use crate::accel::{
-    check_instances, Accel, AccelKind, Rendered, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd,
-    ResidentKdTrees, ResidentLists, ResidentQuantized, ResidentTwoLevel, TreeBox,
-};
+use crate::accel::{Rendered, TreeBox};
 use crate::device::{Device, DeviceError};
 use crate::query::kernels::QueryKernels;
-
-use super::RenderError;
 
 /// One launch of a frame: everything but the structure.
 #[derive(Clone, Copy)]
@@ -85,32 +79,6 @@ impl<R: Rendered> FrameKernels for R {
     fn tree_boxes(&self, level: u32) -> Result<Vec<TreeBox>, DeviceError> {
         self.boxes(level)
     }
-}
-
-/// Copies a structure to a device, which has kernels for it.
-pub(crate) fn upload(device: &Device, tree: &Accel) -> Result<Box<dyn FrameKernels>, DeviceError> {
-    Ok(match tree {
-        Accel::Brute(list) => Box::new(ResidentBrute::upload(device, list)?),
-        Accel::Kd(tree) => Box::new(ResidentKd::upload(device, tree)?),
-        Accel::Bvh2(tree) => Box::new(ResidentBvh2::upload(device, tree)?),
-        Accel::Bvh2c(tree) => Box::new(ResidentQuantized::upload(device, tree)?),
-        Accel::Bvh(tree) => Box::new(ResidentDual::upload(device, tree)?),
-        Accel::Bvh8f(tree) => Box::new(ResidentBvh8f::upload(device, tree)?),
-    })
-}
-
-/// Copies instances to a device, with the structure of each mesh that is asked for: a list, a k-d tree or a hierarchy.
-pub(crate) fn upload_instances(
-    device: &Device,
-    kind: AccelKind,
-    tree: &TwoLevel,
-) -> Result<Box<dyn FrameKernels>, RenderError> {
-    check_instances(kind, device)?;
-    Ok(match kind {
-        AccelKind::Brute => Box::new(ResidentLists::upload(device, tree)?),
-        AccelKind::Kd => Box::new(ResidentKdTrees::upload(device, tree, &tree.kd_trees()?)?),
-        _ => Box::new(ResidentTwoLevel::upload(device, tree)?),
-    })
 }
 
 /// Adds the samples of a pass to the film: enqueued, not waited for.

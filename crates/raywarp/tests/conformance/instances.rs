@@ -1,11 +1,15 @@
 //! Meshes in many places: two levels on the device against the CPU, and against the same scene in world space.
 
+use std::sync::Arc;
+
+use raywarp::accel::two_level::TwoLevel;
 use raywarp::accel::{AccelKind, Quality};
 use raywarp::device::Device;
-use raywarp::query::{two_level, Levels, RayCaster};
+use raywarp::device_scene::{two_level, Levels, SceneError, Structure};
+use raywarp::query::RayCaster;
 use raywarp::render::{framing, RenderOptions, Tracer};
 use raywarp::scene::{Instance, Scene, Transform};
-use raywarp::{Hit, Ray, Triangle, Vec3};
+use raywarp::{DeviceScene, Hit, Ray, Triangle, Vec3};
 
 use super::{device, reference, scaled, scene, Random};
 
@@ -66,6 +70,15 @@ fn rays(triangles: &[Triangle], count: usize, odd: bool) -> Vec<Ray> {
     (0..count).map(ray).collect()
 }
 
+fn caster_of(tree: &TwoLevel, device: &Device) -> RayCaster {
+    RayCaster::of_structure(Structure::of_instances(tree, device).unwrap(), device)
+}
+
+fn tracer_of(scene: &Scene, levels: Levels, kind: AccelKind, device: &Device) -> Result<Tracer, SceneError> {
+    let scene = DeviceScene::with_levels(scene, levels, kind, device)?;
+    Ok(Tracer::of_scene(Arc::new(scene)).unwrap())
+}
+
 fn bits(hit: &Hit) -> [u32; 5] {
     [hit.t.to_bits(), hit.u.to_bits(), hit.v.to_bits(), hit.primitive, hit.instance]
 }
@@ -78,7 +91,7 @@ fn two_machines_give_the_same_bits() {
     assert_eq!(tree.validate(), Ok(()));
     assert!(tree.stats().instances > 490, "{:?}", tree.stats());
     let answers = |device: &Device| {
-        let caster = RayCaster::from_instanced(&tree, device).unwrap();
+        let caster = caster_of(&tree, device);
         (caster.hits(&rays).unwrap(), caster.any(&rays).unwrap())
     };
     let [(a, shadows), (b, others)] = [answers(&reference()), answers(&device())];
@@ -99,7 +112,7 @@ fn world_space_gives_the_same_numbers() {
     let rays = rays(&triangles, scaled(400_000), false);
     let flat = RayCaster::new(triangles, AccelKind::Bvh, &device()).unwrap().hits(&rays).unwrap();
     let tree = two_level(&scene, Quality::default()).unwrap();
-    let two = RayCaster::from_instanced(&tree, &device()).unwrap().hits(&rays).unwrap();
+    let two = caster_of(&tree, &device()).hits(&rays).unwrap();
     let same = flat.iter().zip(&two).filter(|(a, b)| (a.instance, a.primitive) == (b.instance, b.primitive));
     let (count, worst) = same.fold((0, 0.0f32), |(count, worst), (a, b)| {
         (count + 1, if a.is_miss() { worst } else { worst.max((a.t - b.t).abs() / a.t.max(1.0)) })
@@ -109,7 +122,7 @@ fn world_space_gives_the_same_numbers() {
 }
 
 fn picture(scene: &Scene, levels: Levels, kind: AccelKind, device: &Device) -> Vec<[f32; 4]> {
-    let tracer = Tracer::with_levels(scene, levels, kind, device).unwrap();
+    let tracer = tracer_of(scene, levels, kind, device).unwrap();
     let options = RenderOptions { size: [160, 120], spp: 2, ..RenderOptions::default() };
     let camera = framing(tracer.report().bounds);
     let rendering = tracer.render(&camera, &options, &mut |_| ()).unwrap();
@@ -146,7 +159,7 @@ fn queries_find_the_same_in_every_structure_of_instances() {
     let scene = copies(200);
     let rays = rays(&flattened(&scene), scaled(40_000), true);
     let with = |kind, device: &Device| {
-        let caster = RayCaster::from_scene_in(&scene, Levels::Two, kind, device).unwrap();
+        let caster = RayCaster::of_scene(Arc::new(DeviceScene::geometry(&scene, Levels::Two, kind, device).unwrap()));
         (caster.hits(&rays).unwrap(), caster.count(&rays).unwrap())
     };
     let (hits, counts) = with(AccelKind::Bvh, &reference());
@@ -167,25 +180,31 @@ fn an_instance_that_moves_looks_as_if_it_had_been_there() {
         copy.transform.columns[i % 3] = copy.transform.columns[i % 3].map(|x| -1.5 * x);
     }
     for (kind, device) in [(AccelKind::Bvh, device()), (AccelKind::Brute, reference()), (AccelKind::Kd, reference())] {
-        let mut tracer = Tracer::with_levels(&original, Levels::Two, kind, &device).unwrap();
-        assert!(tracer.structure().has_instances());
+        let mut tracer = tracer_of(&original, Levels::Two, kind, &device).unwrap();
+        assert!(tracer.scene().structure().has_instances());
         let indices: Vec<usize> = (1..40).step_by(3).collect();
-        assert!(tracer.move_instances(&original, &moved.instances, &indices).unwrap());
-        let fresh = Tracer::with_levels(&moved, Levels::Two, kind, &device).unwrap();
+        assert!(tracer.scene_mut().unwrap().move_instances(&original, &moved.instances, &indices).unwrap());
+        let fresh = tracer_of(&moved, Levels::Two, kind, &device).unwrap();
         let options = RenderOptions { size: [96, 64], ..RenderOptions::default() };
         let camera = framing(fresh.report().bounds);
         let [a, b] = [&tracer, &fresh].map(|t| t.render(&camera, &options, &mut |_| ()).unwrap().picture);
         assert!(a == b, "{kind}");
+        // Rays find it there too, by the same structure.
+        let caster = RayCaster::of_scene(Arc::clone(tracer.scene()));
+        assert!(matches!(tracer.scene_mut(), Err(SceneError::Shared { holders: 2 })));
+        let rays = rays(&flattened(&moved), 2000, false);
+        assert_eq!(caster.hits(&rays).unwrap(), RayCaster::of_scene(Arc::clone(fresh.scene())).hits(&rays).unwrap());
+        drop(caster);
         // What is flat cannot be undone: it has to be brought to world space.
         moved.instances[1].transform.columns[0] = [0.0; 3];
-        assert!(!tracer.move_instance(&original, &moved.instances, 1).unwrap());
+        assert!(!tracer.scene_mut().unwrap().move_instances(&original, &moved.instances, &[1]).unwrap());
         moved.instances[1].transform.columns[0] = original.instances[1].transform.columns[0].map(|x| -1.5 * x);
     }
 }
 
 #[test]
 fn structures_without_kernels_for_instances_are_refused_on_a_gpu() {
-    let refused = |kind| Tracer::with_levels(&copies(20), Levels::Two, kind, &device()).err();
+    let refused = |kind| tracer_of(&copies(20), Levels::Two, kind, &device()).err();
     for kind in [AccelKind::Brute, AccelKind::Kd] {
         match refused(kind) {
             Some(error) => assert!(error.to_string().contains("placed by instances"), "{error}"),

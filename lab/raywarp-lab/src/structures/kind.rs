@@ -37,6 +37,8 @@ pub enum StructureKind {
     KdSah,
     /// The same, traversed by restarts and a trail, with a stack of four cells.
     KdTrail,
+    /// Two boxes a node on a grid of 16 bits an axis: 32 bytes, the small nodes of [`AccelKind::Bvh`] alone.
+    Bvh2c,
     /// Four boxes a node, quantised to eight bits: 64 bytes.
     Bvh4,
     /// Eight boxes a node, compressed to 80 bytes.
@@ -52,8 +54,6 @@ impl StructureKind {
     pub const KD: Self = Self::Product(AccelKind::Kd);
     /// See [`AccelKind::Bvh2`].
     pub const BVH2: Self = Self::Product(AccelKind::Bvh2);
-    /// See [`AccelKind::Bvh2c`].
-    pub const BVH2C: Self = Self::Product(AccelKind::Bvh2c);
     /// See [`AccelKind::Bvh`].
     pub const BVH: Self = Self::Product(AccelKind::Bvh);
     /// See [`AccelKind::Bvh8f`].
@@ -67,7 +67,7 @@ impl StructureKind {
         Self::KdSah,
         Self::KdTrail,
         Self::BVH2,
-        Self::BVH2C,
+        Self::Bvh2c,
         Self::BVH,
         Self::Bvh4,
         Self::Bvh8,
@@ -80,7 +80,7 @@ impl StructureKind {
         match self {
             Self::Product(kind) => kind.is_hierarchy(),
             Self::Staged | Self::KdSah | Self::KdTrail => false,
-            Self::Bvh4 | Self::Bvh8 | Self::Bvh8w => true,
+            Self::Bvh2c | Self::Bvh4 | Self::Bvh8 | Self::Bvh8w => true,
         }
     }
 
@@ -96,6 +96,7 @@ impl StructureKind {
             Self::Staged => "staged",
             Self::KdSah => "kdsah",
             Self::KdTrail => "kdtrail",
+            Self::Bvh2c => "bvh2c",
             Self::Bvh4 => "bvh4",
             Self::Bvh8 => "bvh8",
             Self::Bvh8w => "bvh8w",

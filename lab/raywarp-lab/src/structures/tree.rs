@@ -4,20 +4,21 @@ use std::borrow::Cow;
 
 use raywarp::accel::brute::Brute;
 use raywarp::accel::bvh2::Bvh2;
+use raywarp::accel::bvh2_quantized::QuantizedBvh2;
 use raywarp::accel::kdtree::KdTree;
 use raywarp::accel::{
     self, boxes, bvh2_build, Accel, Borrowed, BuildError, Invalid, Quality, ResidentBrute, ResidentKd, TreeBox,
     TreeStats,
 };
 use raywarp::device::{Device, DeviceError};
-use raywarp::query::{sampled, QueryError, RayCaster, Tests};
-use raywarp::render::{RenderError, Structure};
+use raywarp::device_scene::{SceneError, Structure};
+use raywarp::query::{sampled, RayCaster, Tests};
 use raywarp::{Hit, Ray, Triangle};
 use raywarp_core::traversal::{closest, occlusion, Counter, Occlusion, START};
 use raywarp_core::view::Plain;
 use raywarp_lab_core::structures as kernels;
 
-use super::resident::{ResidentStaged, ResidentTrail, ResidentWide};
+use super::resident::{ResidentQuantized, ResidentStaged, ResidentTrail, ResidentWide};
 use super::{bvh4, bvh8, bvh8w, kdtree_sah, lend, Build, StructureKind};
 
 /// A structure on this machine.
@@ -31,6 +32,8 @@ pub enum Tree {
     KdSah(KdTree),
     /// The same tree, traversed by restarts.
     KdTrail(KdTree),
+    /// Two boxes a node, on a grid.
+    Bvh2c(QuantizedBvh2),
     /// Four boxes a node, quantised.
     Bvh4(bvh4::Bvh4),
     /// Eight boxes a node, compressed.
@@ -67,6 +70,10 @@ macro_rules! with_view {
                 let $view = &trail(tree);
                 $body
             }
+            Tree::Bvh2c(tree) => {
+                let $view = &tree.view();
+                $body
+            }
             Tree::Bvh4(tree) => {
                 let $view = &tree.view();
                 $body
@@ -98,6 +105,7 @@ impl Tree {
             StructureKind::Staged => Self::Staged(Brute::new(triangles)?),
             StructureKind::KdSah => Self::KdSah(kdtree_sah::build(triangles)?),
             StructureKind::KdTrail => Self::KdTrail(kdtree_sah::build(triangles)?),
+            StructureKind::Bvh2c => Self::Bvh2c(QuantizedBvh2::new(binary(triangles)?)),
             StructureKind::Bvh4 => Self::Bvh4(bvh4::Bvh4::from_bvh2(&binary(triangles)?)),
             StructureKind::Bvh8 => Self::Bvh8(bvh8::Bvh8::from_bvh2(&binary(triangles)?)),
             StructureKind::Bvh8w => Self::Bvh8w(bvh8w::Bvh8w::from_bvh2(&binary(triangles)?)),
@@ -111,6 +119,7 @@ impl Tree {
     pub fn laid_out(kind: StructureKind, tree: Bvh2) -> Result<Self, BuildError> {
         Ok(match kind {
             StructureKind::Product(kind) => Self::Product(Accel::laid_out(kind, tree)?),
+            StructureKind::Bvh2c => Self::Bvh2c(QuantizedBvh2::new(tree)),
             StructureKind::Bvh4 => Self::Bvh4(bvh4::Bvh4::from_bvh2(&tree)),
             StructureKind::Bvh8 => Self::Bvh8(bvh8::Bvh8::from_bvh2(&tree)),
             StructureKind::Bvh8w => Self::Bvh8w(bvh8w::Bvh8w::from_bvh2(&tree)),
@@ -125,6 +134,7 @@ impl Tree {
             Self::Staged(_) => StructureKind::Staged,
             Self::KdSah(_) => StructureKind::KdSah,
             Self::KdTrail(_) => StructureKind::KdTrail,
+            Self::Bvh2c(_) => StructureKind::Bvh2c,
             Self::Bvh4(_) => StructureKind::Bvh4,
             Self::Bvh8(_) => StructureKind::Bvh8,
             Self::Bvh8w(_) => StructureKind::Bvh8w,
@@ -140,6 +150,7 @@ impl Tree {
             Self::Product(accel) => accel.validate(),
             Self::Staged(_) => Ok(()),
             Self::KdSah(tree) | Self::KdTrail(tree) => tree.validate(),
+            Self::Bvh2c(tree) => tree.validate(),
             Self::Bvh4(tree) => tree.validate(),
             Self::Bvh8(tree) => tree.validate(),
             Self::Bvh8w(tree) => tree.validate(),
@@ -152,6 +163,7 @@ impl Tree {
             Self::Product(accel) => accel.stats(),
             Self::Staged(list) => list.stats(),
             Self::KdSah(tree) | Self::KdTrail(tree) => tree.stats(),
+            Self::Bvh2c(tree) => tree.stats(),
             Self::Bvh4(tree) => tree.stats(),
             Self::Bvh8(tree) => tree.stats(),
             Self::Bvh8w(tree) => tree.stats(),
@@ -164,6 +176,7 @@ impl Tree {
             Self::Product(accel) => accel.triangles(),
             Self::Staged(list) => list.triangles().into(),
             Self::KdSah(tree) | Self::KdTrail(tree) => tree.triangles().into(),
+            Self::Bvh2c(tree) => tree.triangles().into(),
             Self::Bvh4(tree) => tree.triangles().into(),
             Self::Bvh8(tree) => tree.triangles().into(),
             Self::Bvh8w(tree) => tree.triangles().into(),
@@ -176,6 +189,7 @@ impl Tree {
             Self::Product(accel) => accel.boxes(level),
             Self::Staged(list) => boxes::of_list(list.triangles(), level),
             Self::KdSah(tree) | Self::KdTrail(tree) => boxes::of_cells(tree.nodes(), tree.bounds(), level),
+            Self::Bvh2c(tree) => boxes::of_compact(tree.nodes(), tree.grid(), level),
             Self::Bvh4(tree) => boxes::of_wide(tree.nodes(), level, bvh4::told),
             Self::Bvh8(tree) => boxes::of_wide(tree.nodes(), level, |node| bvh8::told(node).unwrap_or_default()),
             Self::Bvh8w(tree) => boxes::of_wide(tree.nodes(), level, bvh8w::told),
@@ -204,34 +218,15 @@ impl Tree {
     ///
     /// # Errors
     /// The device has no room for it, or no kernels.
-    pub fn caster(&self, device: &Device) -> Result<RayCaster, QueryError> {
-        let stats = self.stats();
-        device.reserve(stats.bytes as u64, "the structure")?;
-        // SAFETY: each is uploaded to this very device.
-        unsafe {
-            Ok(match self {
-                Self::Product(accel) => RayCaster::of(accel, device)?,
-                Self::Staged(list) => RayCaster::of_resident(staged_on(device, list)?, stats, device),
-                Self::KdSah(tree) => RayCaster::of_resident(ResidentKd::upload(device, tree)?, stats, device),
-                Self::KdTrail(tree) => RayCaster::of_resident(trail_on(device, tree)?, stats, device),
-                Self::Bvh4(tree) => {
-                    RayCaster::of_resident(wide(device, tree.nodes(), tree.triangles())?, stats, device)
-                }
-                Self::Bvh8(tree) => {
-                    RayCaster::of_resident(wide(device, tree.nodes(), tree.triangles())?, stats, device)
-                }
-                Self::Bvh8w(tree) => {
-                    RayCaster::of_resident(wide(device, tree.nodes(), tree.triangles())?, stats, device)
-                }
-            })
-        }
+    pub fn caster(&self, device: &Device) -> Result<RayCaster, SceneError> {
+        Ok(RayCaster::of_structure(self.structure(Quality::default(), device)?, device))
     }
 
     /// On a device, for pictures; what a tracer of that device is to trace.
     ///
     /// # Errors
     /// The device has no room for it, or no kernels.
-    pub fn structure(&self, quality: Quality, device: &Device) -> Result<Structure, RenderError> {
+    pub fn structure(&self, quality: Quality, device: &Device) -> Result<Structure, SceneError> {
         let stats = self.stats();
         device.reserve(stats.bytes as u64, "the structure")?;
         // SAFETY: each is uploaded to this very device, of which the tracer is.
@@ -241,6 +236,7 @@ impl Tree {
                 Self::Staged(list) => Structure::of_resident(staged_on(device, list)?, quality, stats),
                 Self::KdSah(tree) => Structure::of_resident(ResidentKd::upload(device, tree)?, quality, stats),
                 Self::KdTrail(tree) => Structure::of_resident(trail_on(device, tree)?, quality, stats),
+                Self::Bvh2c(tree) => Structure::of_resident(ResidentQuantized::upload(device, tree)?, quality, stats),
                 Self::Bvh4(tree) => {
                     Structure::of_resident(wide(device, tree.nodes(), tree.triangles())?, quality, stats)
                 }

@@ -1,8 +1,9 @@
 //! The study's models against slow references: counts must be those of the traversal that renders.
 
 use raywarp::accel::bvh2::Bvh2;
-use raywarp::accel::{Accel, AccelKind};
+use raywarp::accel::{Accel, AccelKind, Quality};
 use raywarp::device::{Device, DeviceChoice};
+use raywarp::device_scene::Structure;
 use raywarp::query::{opaque_triangles, RayCaster, RayKind, RaySource};
 use raywarp::render::{RenderOptions, Tracer};
 use raywarp::scene::Scene;
@@ -35,7 +36,8 @@ impl Subject {
     fn rays(&self, kind: RayKind) -> Vec<Ray> {
         let source = RaySource::new(&self.triangles, &self.scene.cameras[0], SIZE).unwrap();
         let primary = source.primary();
-        let caster = RayCaster::of(&self.tree, &Device::open(DeviceChoice::Cpu).unwrap()).unwrap();
+        let device = Device::open(DeviceChoice::Cpu).unwrap();
+        let caster = RayCaster::of_structure(Structure::of(&self.tree, Quality::High, &device).unwrap(), &device);
         let spots = source.spots(&primary.rays, &caster.hits(&primary.rays).unwrap());
         source.workload(kind, &spots, 2048).rays
     }

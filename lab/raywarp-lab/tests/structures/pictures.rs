@@ -1,7 +1,8 @@
 //! Pictures and their layers are the same through every structure, on every device.
 
 use raywarp::accel::AccelKind;
-use raywarp::render::{world_triangles, RenderOptions, Tracer};
+use raywarp::device_scene::world_triangles;
+use raywarp::render::{RenderOptions, Tracer};
 use raywarp_lab::structures::{Build, Tree};
 
 use crate::{devices, OWN};
@@ -21,7 +22,7 @@ fn every_structure_gives_the_same_picture() {
         for what in OWN.map(Build::from) {
             let tree = Tree::build(what, triangles.clone()).unwrap();
             let boxes = tree.boxes(6);
-            tracer.replace(tree.structure(what.quality, &device).unwrap());
+            tracer.scene_mut().unwrap().replace(tree.structure(what.quality, &device).unwrap());
             let name = format!("{} on {}", what.kind, device.description());
             let counted = tracer.render(camera, &options, &mut |_| ()).unwrap();
             let plain = tracer.render(camera, &RenderOptions { count_tests: false, ..options }, &mut |_| ()).unwrap();
@@ -30,7 +31,7 @@ fn every_structure_gives_the_same_picture() {
             assert!(bits(&plain.picture.pixels) == bits(&expected.picture.pixels), "{name}");
             assert!(counted.rays == expected.rays && counted.tests.is_some(), "{name}");
             assert!(tracer.layers(camera, &options).unwrap() == layers, "{name}: layers");
-            assert_eq!(tracer.boxes(6).unwrap(), boxes, "{name}: boxes");
+            assert_eq!(tracer.scene().structure().boxes(6).unwrap(), boxes, "{name}: boxes");
         }
     }
 }

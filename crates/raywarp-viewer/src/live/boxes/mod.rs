@@ -18,7 +18,7 @@ use line::{Band, Line};
 const LEAST: f32 = 0.06;
 
 /// Draws boxes down to a level over a picture of so many columns and rows: red, green, blue and anything of each pixel,
-/// top row first. `boxes` may go deeper; they are those of [`Tracer::boxes`](raywarp::render::Tracer::boxes).
+/// top row first. `boxes` may go deeper; they are those of [`Structure::boxes`](raywarp::device_scene::Structure::boxes).
 ///
 /// Boxes and edges that are not at finite places are left out. Nothing is drawn with a camera that cannot be rendered
 /// from, or where the picture has another size.

@@ -1,6 +1,6 @@
 //! Values of fields, and what the scene becomes by them.
 
-use raywarp::render;
+use raywarp::device_scene;
 use raywarp::scene::{AlphaMode, Background, Light, Material, Scene, Transform};
 
 use super::field::{on_panel, BackgroundField, Field, InstanceField, LightField, COLOR};
@@ -48,7 +48,7 @@ impl Edits {
     }
 
     fn background_default(&self, field: BackgroundField) -> [f32; 3] {
-        let sky = render::sky(&self.base);
+        let sky = device_scene::sky(&self.base);
         match field {
             BackgroundField::Zenith => sky.zenith,
             BackgroundField::Horizon => sky.horizon,
@@ -56,7 +56,7 @@ impl Edits {
             // The built-in one is brighter without lights.
             BackgroundField::Ambient => {
                 let lights = self.edited.lights.first().cloned().into_iter().collect();
-                render::ambient(&Scene { lights, ambient: self.base.ambient, ..Scene::default() })
+                device_scene::ambient(&Scene { lights, ambient: self.base.ambient, ..Scene::default() })
             }
         }
     }

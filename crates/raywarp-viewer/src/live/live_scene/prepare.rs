@@ -6,8 +6,8 @@ use std::time::SystemTime;
 
 use raywarp::accel::{AccelKind, Build, Quality};
 use raywarp::device::Device;
-use raywarp::query::Levels;
-use raywarp::render::{self, world_triangles, Structure, Tracer};
+use raywarp::device_scene::{world_triangles, Levels, Structure};
+use raywarp::render::{self, Tracer};
 use raywarp::scene::load::{self, Attempt};
 use raywarp::scene::{Camera, Instance, LoadOptions, Loaded, Material, RenderDefaults, Scene};
 
@@ -103,7 +103,7 @@ impl Order {
         let tracer = Tracer::new(&scene, what, &self.device)?;
         let dropped = tracer.report().dropped;
         dropped.allow(self.source.strict)?;
-        tracer.structure().load_kernels(&self.device)?;
+        tracer.scene().structure().load_kernels(&self.device)?;
         let [width, height] = overrides.size().map(f64::from);
         let home = render::chosen_camera(&scene, &self.options.viewpoint, width / height)?;
         render::check_camera(&home)?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use raywarp::accel::{AccelKind, Build};
-use raywarp::render::Structure;
+use raywarp::device_scene::Structure;
 
 use super::beside::{take, Beside};
 use super::{prepare, LiveScene, Ready};
@@ -66,16 +66,16 @@ impl LiveScene {
                 let is_new = shape == self.motion.shape && materials == self.motion.materials;
                 let is_wanted = wanted.is_some_and(|wanted| same(what, wanted));
                 if is_new && is_wanted {
-                    let triangles = count(&structure);
-                    let before = ready.tracer.replace(structure);
+                    let triangles = structure.triangles();
+                    let before = ready.tracer.scene_mut()?.replace(structure);
                     // One that was flat for a while is missing in a tree of that time.
-                    self.edition += u64::from(shape > 0 && count(&before) != triangles);
+                    self.edition += u64::from(shape > 0 && before.triangles() != triangles);
                     (self.motion.refitted, self.trees) = (false, self.trees + 1);
                 }
                 Ok(())
             }
             None => {
-                drop(ready.tracer.replace(structure));
+                drop(ready.tracer.scene_mut()?.replace(structure));
                 self.motion.stale &= materials != self.motion.materials;
                 (self.edition, self.trees) = (self.edition + 1, self.trees + 1);
                 self.follow()
@@ -88,7 +88,7 @@ impl LiveScene {
         let rests = self.motion.last.is_none_or(|last| last.elapsed() > REST);
         let settled = self.motion.pending.is_empty() && !self.motion.stale;
         let (Some(ready), Some(wanted)) = (&self.ready, self.wanted()) else { return Ok(()) };
-        if ready.tracer.structure().has_instances() {
+        if ready.tracer.scene().structure().has_instances() {
             return Ok(());
         }
         let as_wanted = same(built(ready), wanted);
@@ -122,14 +122,14 @@ impl LiveScene {
         for touched in touched {
             match *touched {
                 Touched::Lights => {
-                    if !ready.tracer.set_lights(edited) {
-                        ready.tracer.set_materials(&edited.materials, &ready.scene.images)?;
+                    if !ready.tracer.scene_mut()?.set_lights(edited) {
+                        ready.tracer.scene_mut()?.set_materials(&edited.materials, &ready.scene.images)?;
                     }
                 }
                 Touched::Materials => {
                     // Whether the built-in lights are needed depends on what glows.
-                    ready.tracer.set_lights(edited);
-                    let known = ready.tracer.set_materials(&edited.materials, &ready.scene.images)?;
+                    ready.tracer.scene_mut()?.set_lights(edited);
+                    let known = ready.tracer.scene_mut()?.set_materials(&edited.materials, &ready.scene.images)?;
                     self.motion.stale |= !known;
                     self.motion.materials += 1;
                 }
@@ -148,12 +148,12 @@ impl LiveScene {
         self.motion.shape += 1;
         self.motion.last = Some(Instant::now());
         let Some(ready) = &mut self.ready else { return Ok(()) };
-        let is_instanced = ready.tracer.structure().has_instances();
+        let is_instanced = ready.tracer.scene().structure().has_instances();
         if is_instanced && self.motion.stale {
             self.reload();
             return Ok(());
         }
-        if !is_instanced && (self.motion.stale || ready.tracer.structure().kind != Some(AccelKind::Bvh2)) {
+        if !is_instanced && (self.motion.stale || ready.tracer.scene().structure().kind != Some(AccelKind::Bvh2)) {
             if self.building.as_ref().is_none_or(|building| building.shape.is_some()) {
                 self.build(prepare::movable(), None);
             }
@@ -161,7 +161,7 @@ impl LiveScene {
         }
         let instances = &ready.edits.scene().instances;
         let moved: Vec<usize> = std::mem::take(&mut self.motion.pending).into_iter().collect();
-        if !ready.tracer.move_instances(&ready.scene, instances, &moved)? {
+        if !ready.tracer.scene_mut()?.move_instances(&ready.scene, instances, &moved)? {
             // Something has to be in world space now, or no longer: everything is made anew.
             self.reload();
             return Ok(());
@@ -174,7 +174,7 @@ impl LiveScene {
     /// Asks for another structure.
     pub(in crate::live) fn choose(&mut self, what: Build) {
         self.chosen = Some(what);
-        if self.ready.as_ref().is_some_and(|ready| ready.tracer.structure().has_instances()) {
+        if self.ready.as_ref().is_some_and(|ready| ready.tracer.scene().structure().has_instances()) {
             return self.reload();
         }
         if let Err(error) = self.follow() {
@@ -199,13 +199,8 @@ fn same(a: Build, b: Build) -> bool {
     (a.kind, a.quality) == (b.kind, b.quality)
 }
 
-/// Triangles of a structure, each once.
-fn count(structure: &Structure) -> usize {
-    structure.stats.references - structure.stats.duplicates
-}
-
 /// The structure that there is.
 fn built(ready: &Ready) -> Build {
-    let structure = ready.tracer.structure();
+    let structure = ready.tracer.scene().structure();
     Build { kind: structure.kind.unwrap_or_default(), quality: structure.quality, ..Build::default() }
 }

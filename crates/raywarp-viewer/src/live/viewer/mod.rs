@@ -215,7 +215,7 @@ impl Viewer {
     /// What to tell beside the picture.
     pub fn status(&self, live_scene: &LiveScene) -> Status {
         let ready = live_scene.ready();
-        let built = ready.map(|ready| ready.tracer.structure());
+        let built = ready.map(|ready| ready.tracer.scene().structure());
         Status {
             busy: live_scene.busy(),
             notice: self

@@ -198,7 +198,7 @@ impl Viewer {
         let Some(level) = self.view_settings.boxes else { return Ok(()) };
         let boxes = match self.boxes.take() {
             Some(boxes) => boxes,
-            None => tracer.boxes(MAX_LEVEL)?,
+            None => tracer.scene().structure().boxes(MAX_LEVEL)?,
         };
         boxes::draw(rgba, size, camera, &boxes, level);
         self.boxes = Some(boxes);

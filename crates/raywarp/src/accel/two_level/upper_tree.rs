@@ -41,6 +41,11 @@ impl UpperTree {
         Self { instances: tree.instances.clone(), boxes, covers, meshes, slack: tree.slack, places }
     }
 
+    /// Instances of the scene.
+    pub fn placements(&self) -> usize {
+        self.places.len()
+    }
+
     /// Puts instances of the scene elsewhere. None where that needs another structure: one is baked, or would have to be.
     pub fn set_transforms(&mut self, moved: &[(usize, &Transform)]) -> Option<()> {
         let placed = |&(instance, transform): &(usize, &Transform)| {
@@ -55,6 +60,11 @@ impl UpperTree {
             self.slack = self.slack.max(inverse.slack());
         }
         Some(())
+    }
+
+    /// Which of the meshes each instance is of.
+    pub fn meshes(&self) -> &[u32] {
+        &self.meshes
     }
 
     /// As traversal reads them.

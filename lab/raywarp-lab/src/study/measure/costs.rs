@@ -17,7 +17,7 @@ pub fn tests(stage: &Stage, entrants: &[Entrant]) -> Vec<TestCost> {
         !matches!(
             entrant.build.kind,
             StructureKind::Staged
-                | StructureKind::BVH2C
+                | StructureKind::Bvh2c
                 | StructureKind::BVH
                 | StructureKind::Bvh8
                 | StructureKind::Bvh8w

@@ -1,8 +1,9 @@
 //! Whole frames: their time by structure, where it goes, how it is spread over threads, and blocks of several shapes.
 
 use raywarp::accel::{AccelKind, Quality};
+use raywarp::device_scene::world_triangles;
 use raywarp::image::{heatmap, png};
-use raywarp::render::{world_triangles, PixelCosts, RenderOptions, Tracer};
+use raywarp::render::{PixelCosts, RenderOptions, Tracer};
 use raywarp::Triangle;
 use raywarp_lab::clocks::stage_times;
 use raywarp_lab::structures::{Build, StructureKind, Tree};
@@ -22,7 +23,7 @@ const KINDS: [StructureKind; 7] = [
     StructureKind::KdSah,
     StructureKind::KdTrail,
     StructureKind::BVH2,
-    StructureKind::BVH2C,
+    StructureKind::Bvh2c,
 ];
 
 /// Those whose threads' load is shown.
@@ -72,7 +73,7 @@ pub fn frames(stage: &Stage) -> Result<Found> {
             continue;
         }
         stage.say(&format!("frames by {}", name(build)));
-        tracer.replace(Tree::build(build, triangles.clone())?.structure(build.quality, setting.device)?);
+        tracer.scene_mut()?.replace(Tree::build(build, triangles.clone())?.structure(build.quality, setting.device)?);
         for ((rays, options), &traced) in sorts.iter().zip(&traced) {
             let (rays, structure) = (*rays, name(build));
             let ms = milliseconds(times(stage, &tracer, options, setting.times_of(kind))?);

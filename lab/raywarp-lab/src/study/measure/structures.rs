@@ -36,7 +36,7 @@ const STRUCTURES: [(StructureKind, Quality, &str); 14] = [
     (StructureKind::BVH2, Quality::Fast, "BVH2, fast"),
     (StructureKind::BVH2, Quality::Medium, "BVH2, medium"),
     (StructureKind::BVH2, Quality::High, "BVH2, high"),
-    (StructureKind::BVH2C, Quality::Medium, "BVH2, 16 bits"),
+    (StructureKind::Bvh2c, Quality::Medium, "BVH2, 16 bits"),
     (StructureKind::BVH, Quality::Medium, "BVH2 in two layouts"),
     (StructureKind::Bvh4, Quality::Medium, "BVH4, 8 bits"),
     (StructureKind::Bvh8, Quality::Medium, "BVH8, compressed"),

@@ -7,19 +7,19 @@ use raywarp_core::screen::{AovRanges, DrawAov, ToneMapFilm};
 
 use crate::accel::two_level::{InstancedStats, Plan, TwoLevel, UpperTree};
 use crate::accel::{
-    cache, check_device, Accel, AccelKind, Build, Quality, Rendered, ResidentKdTrees, ResidentLists, ResidentTwoLevel,
-    TreeBox, TreeStats,
+    cache, check_device, check_instances, Accel, AccelKind, Build, Quality, Rendered, ResidentBrute, ResidentBvh2,
+    ResidentBvh8f, ResidentDual, ResidentKd, ResidentKdTrees, ResidentLists, ResidentTwoLevel, TreeBox, TreeStats,
 };
-use crate::device::Device;
+use crate::device::{Device, DeviceError};
+use crate::render::passes::FrameKernels;
 use crate::scene::Transform;
 use crate::Triangle;
 
-use super::passes::{upload, upload_instances, FrameKernels};
-use super::RenderError;
+use super::{Report, SceneError};
 
-/// A structure on a device, for [`Tracer::replace`](super::Tracer::replace). It can be built beside a tracer at work.
+/// A structure on a device, for [`DeviceScene::replace`](super::DeviceScene::replace). It can be built beside a tracer at work.
 pub struct Structure {
-    pub(super) resident: Box<dyn FrameKernels>,
+    pub(crate) resident: Box<dyn FrameKernels>,
     /// Which it is; nothing for one of others.
     pub kind: Option<AccelKind>,
     /// How good it was to be.
@@ -34,14 +34,16 @@ pub struct Structure {
     pub warning: Option<String>,
     /// Of a structure of instances.
     upper: Option<UpperTree>,
+    /// Of the world.
+    triangles: usize,
 }
 
 impl Structure {
     /// Arranges triangles, such as those of [`world_triangles`](super::world_triangles), and copies them to a device.
     ///
     /// # Errors
-    /// [`RenderError`] where there are too many triangles for the structure or too little memory for it.
-    pub fn build(device: &Device, what: impl Into<Build>, triangles: Vec<Triangle>) -> Result<Self, RenderError> {
+    /// [`SceneError`] where there are too many triangles for the structure or too little memory for it.
+    pub fn build(device: &Device, what: impl Into<Build>, triangles: Vec<Triangle>) -> Result<Self, SceneError> {
         let built = Self::arrange(device, what.into(), triangles)?;
         device.reserve(built.stats.bytes as u64, "the structure")?;
         built.upload(device)
@@ -51,29 +53,40 @@ impl Structure {
     ///
     /// # Errors
     /// The device has no room for it, or no kernels.
-    pub fn of(accel: &Accel, quality: Quality, device: &Device) -> Result<Self, RenderError> {
+    pub fn of(accel: &Accel, quality: Quality, device: &Device) -> Result<Self, SceneError> {
         check_device(accel.kind(), device)?;
-        let (stats, start) = (accel.stats(), Instant::now());
+        let stats = accel.stats();
+        device.reserve(stats.bytes as u64, "the structure")?;
+        let start = Instant::now();
         let resident = upload(device, accel)?;
-        Ok(Self {
-            resident,
-            kind: Some(accel.kind()),
-            quality,
-            stats,
-            build_seconds: stats.build_seconds,
-            upload_seconds: start.elapsed().as_secs_f64(),
-            warning: None,
-            upper: None,
-        })
+        let upload_seconds = start.elapsed().as_secs_f64();
+        Ok(Self { kind: Some(accel.kind()), upload_seconds, ..Self::told(resident, quality, stats) })
+    }
+
+    /// The same of two levels.
+    ///
+    /// # Errors
+    /// As for [`of`](Self::of).
+    pub fn of_instances(tree: &TwoLevel, device: &Device) -> Result<Self, SceneError> {
+        let (counts, start) = (tree.stats(), Instant::now());
+        let upper = UpperTree::of(tree, tree.instances().iter().map(|i| i.index as usize + 1).max().unwrap_or(0));
+        let resident = upload_instances(device, AccelKind::default(), tree)?;
+        let upload_seconds = start.elapsed().as_secs_f64();
+        let told = Self::told(resident, Quality::default(), tree.tree_stats());
+        Ok(Self { upper: Some(upper), triangles: counts.seen as usize, upload_seconds, ..told })
     }
 
     /// A structure of others that is on a device already.
     ///
     /// # Safety
-    /// It is on the device of the tracers that it is given to.
+    /// It is on the device of the scenes that it is given to.
     pub unsafe fn of_resident(resident: impl Rendered, quality: Quality, stats: TreeStats) -> Self {
+        Self::told(Box::new(resident), quality, stats)
+    }
+
+    fn told(resident: Box<dyn FrameKernels>, quality: Quality, stats: TreeStats) -> Self {
         Self {
-            resident: Box::new(resident),
+            resident,
             kind: None,
             quality,
             stats,
@@ -81,6 +94,7 @@ impl Structure {
             upload_seconds: 0.0,
             warning: None,
             upper: None,
+            triangles: stats.references - stats.duplicates,
         }
     }
 
@@ -96,14 +110,19 @@ impl Structure {
         resident.downcast_mut()
     }
 
-    /// Whether meshes are placed by instances, which [move](super::Tracer::move_instance) without a change to any tree but that
+    /// Whether meshes are placed by instances, which [move](super::DeviceScene::move_instances) without a change to any tree but that
     /// over them.
     pub fn has_instances(&self) -> bool {
         self.upper.is_some()
     }
 
+    /// Instances of the scene, where meshes are placed by them.
+    pub(super) fn instances(&self) -> usize {
+        self.upper.as_ref().map_or(0, UpperTree::placements)
+    }
+
     /// Puts instances elsewhere. Returns whether that is all: `false` if one is or would have to be in world space.
-    pub(super) fn set_transforms(&mut self, moved: &[(usize, &Transform)]) -> Result<bool, RenderError> {
+    pub(super) fn set_transforms(&mut self, moved: &[(usize, &Transform)]) -> Result<bool, SceneError> {
         let Some(upper) = &mut self.upper else { return Ok(false) };
         if upper.set_transforms(moved).is_none() {
             return Ok(false);
@@ -119,11 +138,16 @@ impl Structure {
         Ok(true)
     }
 
+    /// Triangles that can be hit, each once.
+    pub fn triangles(&self) -> usize {
+        self.triangles
+    }
+
     /// Has the driver compile all kernels that trace through it, so that the first picture does not wait for them.
     ///
     /// # Errors
-    /// [`RenderError`] where the driver refuses one.
-    pub fn load_kernels(&self, device: &Device) -> Result<(), RenderError> {
+    /// [`SceneError`] where the driver refuses one.
+    pub fn load_kernels(&self, device: &Device) -> Result<(), SceneError> {
         device.load::<ToneMapFilm>()?;
         device.load::<AovRanges>()?;
         device.load::<DrawAov>()?;
@@ -134,29 +158,32 @@ impl Structure {
     /// worth keeping what comes until something changes.
     ///
     /// # Errors
-    /// [`RenderError`] where the device fails.
-    pub fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, RenderError> {
+    /// [`SceneError`] where the device fails.
+    pub fn boxes(&self, level: u32) -> Result<Vec<TreeBox>, SceneError> {
         Ok(self.resident.tree_boxes(level)?)
     }
 
     /// The structure on this machine, and what there is to tell of it.
-    pub(super) fn arrange(device: &Device, what: Build, triangles: Vec<Triangle>) -> Result<Built, RenderError> {
+    pub(super) fn arrange(device: &Device, what: Build, triangles: Vec<Triangle>) -> Result<Built, SceneError> {
         check_device(what.kind, device)?;
         let start = Instant::now();
+        let count = triangles.len();
         let built = cache::build(what, triangles)?;
         let stats = built.accel.stats();
         let warning = built.warning.map(|warning| warning.to_string());
         let build_seconds = start.elapsed().as_secs_f64();
-        Ok(Built { tree: Tree::World(built.accel), what, stats, build_seconds, warning })
+        Ok(Built { tree: Tree::World(built.accel), what, stats, build_seconds, warning, triangles: count })
     }
 
     /// The same over instances.
-    pub(super) fn arrange_instances(plan: Plan, what: Build) -> Result<(Built, InstancedStats), RenderError> {
+    pub(super) fn arrange_instances(plan: Plan, what: Build) -> Result<(Built, InstancedStats), SceneError> {
         let (start, count) = (Instant::now(), plan.placements());
         let tree = plan.build(what.quality)?;
         let (counts, build_seconds) = (tree.stats(), start.elapsed().as_secs_f64());
         let stats = TreeStats { build_seconds, ..tree.tree_stats() };
-        Ok((Built { tree: Tree::Instances(tree, count), what, stats, build_seconds, warning: None }, counts))
+        let triangles = counts.seen as usize;
+        let tree = Tree::Instances(tree, count);
+        Ok((Built { tree, what, stats, build_seconds, warning: None, triangles }, counts))
     }
 }
 
@@ -167,6 +194,7 @@ pub(super) struct Built {
     pub stats: TreeStats,
     pub build_seconds: f64,
     warning: Option<String>,
+    triangles: usize,
 }
 
 enum Tree {
@@ -176,7 +204,13 @@ enum Tree {
 }
 
 impl Built {
-    pub fn upload(self, device: &Device) -> Result<Structure, RenderError> {
+    /// What is known before it is on a device.
+    pub fn report(&self) -> Report {
+        let device_bytes = self.stats.bytes as u64;
+        Report { tree: self.stats, build_seconds: self.build_seconds, device_bytes, ..Report::default() }
+    }
+
+    pub fn upload(self, device: &Device) -> Result<Structure, SceneError> {
         let start = Instant::now();
         let (resident, upper) = match &self.tree {
             Tree::World(tree) => (upload(device, tree)?, None),
@@ -185,14 +219,34 @@ impl Built {
             }
         };
         Ok(Structure {
-            resident,
             kind: Some(self.what.kind),
-            quality: self.what.quality,
-            stats: self.stats,
             build_seconds: self.build_seconds,
             upload_seconds: start.elapsed().as_secs_f64(),
             warning: self.warning,
             upper,
+            triangles: self.triangles,
+            ..Structure::told(resident, self.what.quality, self.stats)
         })
     }
+}
+
+/// Copies a structure to a device, which has kernels for it.
+fn upload(device: &Device, tree: &Accel) -> Result<Box<dyn FrameKernels>, DeviceError> {
+    Ok(match tree {
+        Accel::Brute(list) => Box::new(ResidentBrute::upload(device, list)?),
+        Accel::Kd(tree) => Box::new(ResidentKd::upload(device, tree)?),
+        Accel::Bvh2(tree) => Box::new(ResidentBvh2::upload(device, tree)?),
+        Accel::Bvh(tree) => Box::new(ResidentDual::upload(device, tree)?),
+        Accel::Bvh8f(tree) => Box::new(ResidentBvh8f::upload(device, tree)?),
+    })
+}
+
+/// Copies instances to a device, with the structure of each mesh that is asked for: a list, a k-d tree or a hierarchy.
+fn upload_instances(device: &Device, kind: AccelKind, tree: &TwoLevel) -> Result<Box<dyn FrameKernels>, SceneError> {
+    check_instances(kind, device)?;
+    Ok(match kind {
+        AccelKind::Brute => Box::new(ResidentLists::upload(device, tree)?),
+        AccelKind::Kd => Box::new(ResidentKdTrees::upload(device, tree, &tree.kd_trees()?)?),
+        _ => Box::new(ResidentTwoLevel::upload(device, tree)?),
+    })
 }

@@ -1,6 +1,6 @@
 //! Whether a scene's meshes are placed by instances of a structure, or brought to world space one by one.
 
-use super::{check_instance, check_mesh, flags_of, RenderError};
+use super::{check_instance, check_mesh, flags_of, SceneError};
 use crate::accel::two_level::{Placement, Plan, TwoLevel};
 use crate::accel::Quality;
 use crate::scene::{Instance, Material, Mesh, Scene};
@@ -46,8 +46,8 @@ impl Levels {
 /// The structure of two levels over a scene.
 ///
 /// # Errors
-/// [`RenderError::Scene`] for an index out of range.
-pub fn two_level(scene: &Scene, quality: Quality) -> Result<TwoLevel, RenderError> {
+/// [`SceneError::Part`] for an index out of range.
+pub fn two_level(scene: &Scene, quality: Quality) -> Result<TwoLevel, SceneError> {
     Ok(plan(scene, &scene.instances, &scene.materials)?.build(quality)?)
 }
 
@@ -55,7 +55,7 @@ pub fn two_level(scene: &Scene, quality: Quality) -> Result<TwoLevel, RenderErro
 ///
 /// # Errors
 /// As for [`two_level`].
-pub(crate) fn plan(scene: &Scene, instances: &[Instance], materials: &[Material]) -> Result<Plan, RenderError> {
+pub(crate) fn plan(scene: &Scene, instances: &[Instance], materials: &[Material]) -> Result<Plan, SceneError> {
     let flags: Vec<u32> = materials.iter().map(flags_of).collect();
     let mut placements = Vec::with_capacity(instances.len());
     let mut placed = vec![false; scene.meshes.len()];
@@ -88,6 +88,7 @@ fn triangles(mesh: &Mesh, flags: &[u32]) -> Vec<Triangle> {
 mod tests {
     use super::*;
     use crate::device::{Device, DeviceChoice};
+    use crate::device_scene::Structure;
     use crate::query::RayCaster;
     use crate::scene::Transform;
     use crate::{Ray, Vec3};
@@ -115,7 +116,8 @@ mod tests {
         let scene = scene(5, 10);
         let tree = two_level(&scene, Quality::default()).unwrap();
         assert_eq!(tree.validate(), Ok(()));
-        let caster = RayCaster::from_instanced(&tree, &Device::open(DeviceChoice::Cpu).unwrap()).unwrap();
+        let device = Device::open(DeviceChoice::Cpu).unwrap();
+        let caster = RayCaster::of_structure(Structure::of_instances(&tree, &device).unwrap(), &device);
         let down = |i: usize| Ray::new(Vec3::new(2.0 * i as f32 + 0.1, 10.0, 0.01), Vec3::new(0.0, -1.0, 0.0));
         let rays: Vec<Ray> = (0..6).map(down).collect();
         let hits = caster.hits(&rays).unwrap();
@@ -145,7 +147,7 @@ mod tests {
         ] {
             let mut broken = scene(2, 10);
             damage(&mut broken);
-            assert!(matches!(two_level(&broken, Quality::default()), Err(RenderError::Scene { .. })));
+            assert!(matches!(two_level(&broken, Quality::default()), Err(SceneError::Part { .. })));
         }
     }
 }

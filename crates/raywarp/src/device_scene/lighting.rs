@@ -4,13 +4,13 @@ use raywarp_core::background::Background;
 use raywarp_core::light::{kind, Light};
 use raywarp_core::math::{vec3, Vec3};
 
-use super::framing::turn_to;
 use crate::device::{Buffer, Device, DeviceError};
+use crate::render::turn_to;
 use crate::scene::{self, Camera, LightKind, Scene};
 
 /// What lights the scene.
 #[derive(Clone, Debug)]
-pub(super) struct Lighting {
+pub(crate) struct Lighting {
     lights: Vec<Light>,
     /// A light at the eye, for scenes without any: no surface that is seen is black.
     headlight: Option<Vec3>,
@@ -32,7 +32,7 @@ const AMBIENT_BUILT_IN: [f32; 3] = [0.25, 0.27, 0.30];
 /// which were chosen for it; the built-in one by their diffuse colours. Programs write ambient colours for no light that
 /// they know, such as white for every material: lit by them, a scene lies in grey fog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Ambient {
+pub(crate) enum Ambient {
     Own,
     BuiltIn,
 }

@@ -7,7 +7,7 @@ use raywarp_core::math;
 use raywarp_core::surface::{self, Primitive};
 use raywarp_core::triangle::{flags, Triangle};
 
-use super::RenderError;
+use super::SceneError;
 use crate::device::DeviceError;
 use crate::scene::{memory, AlphaMode, Instance, Material, Mesh, Scene, Transform};
 use crate::MISS;
@@ -59,8 +59,8 @@ impl Layout {
 
 impl Flat {
     /// # Errors
-    /// [`RenderError::Scene`] for an index out of range.
-    pub fn of(scene: &Scene) -> Result<Self, RenderError> {
+    /// [`SceneError::Part`] for an index out of range.
+    pub fn of(scene: &Scene) -> Result<Self, SceneError> {
         Self::with(scene, &scene.instances, &scene.materials)
     }
 
@@ -68,7 +68,7 @@ impl Flat {
     ///
     /// # Errors
     /// As for [`of`](Self::of).
-    pub fn with(scene: &Scene, instances: &[Instance], materials: &[Material]) -> Result<Self, RenderError> {
+    pub fn with(scene: &Scene, instances: &[Instance], materials: &[Material]) -> Result<Self, SceneError> {
         Self::sharing(scene, instances, materials, |_| false)
     }
 
@@ -82,7 +82,7 @@ impl Flat {
         instances: &[Instance],
         materials: &[Material],
         is_shared: impl Fn(usize) -> bool,
-    ) -> Result<Self, RenderError> {
+    ) -> Result<Self, SceneError> {
         let layout = Layout::of(scene, instances);
         let totals = totals(scene, instances, &is_shared);
         if let Some(&len) = totals.iter().find(|&&len| u32::try_from(len).is_err()) {
@@ -118,7 +118,7 @@ impl Flat {
         self.add_attributes(mesh);
         self.add_triangles(mesh, instance, first as u32, flags);
         self.vertices.push(first..self.positions.len());
-        let flags = surface::IN_WORLD | handedness(instance);
+        let flags = surface::IN_WORLD | handedness(&instance.transform);
         self.instances.push(surface::Instance { first_primitive, flags, ..surface::Instance::IN_PLACE });
     }
 
@@ -189,20 +189,25 @@ impl Flat {
 }
 
 /// An instance of a mesh that stays in a space of its own.
-pub(super) fn placed(instance: &Instance, first_primitive: u32) -> surface::Instance {
-    let ([x, y, z], t) = (instance.transform.columns, instance.transform.translation);
-    surface::Instance {
-        rows: [0, 1, 2].map(|i| [x[i], y[i], z[i], t[i]]),
-        first_primitive,
-        material: instance.material.unwrap_or(MISS),
-        flags: handedness(instance),
-        ..surface::Instance::IN_PLACE
+fn placed(instance: &Instance, first_primitive: u32) -> surface::Instance {
+    let material = instance.material.unwrap_or(MISS);
+    let mut placed = surface::Instance { first_primitive, material, flags: 0, ..surface::Instance::IN_PLACE };
+    set_transform(&mut placed, &instance.transform);
+    placed
+}
+
+/// Puts such an instance elsewhere; one in world space stays as it is.
+pub(super) fn set_transform(placed: &mut surface::Instance, transform: &Transform) {
+    if placed.flags & surface::IN_WORLD == 0 {
+        let ([x, y, z], t) = (transform.columns, transform.translation);
+        placed.rows = [0, 1, 2].map(|i| [x[i], y[i], z[i], t[i]]);
+        placed.flags = handedness(transform);
     }
 }
 
-/// [`MIRRORED`](surface::MIRRORED) where an instance's transform turns left into right.
-pub(super) fn handedness(instance: &Instance) -> u32 {
-    match Mat3::from_cols_array_2d(&instance.transform.columns).determinant() < 0.0 {
+/// [`MIRRORED`](surface::MIRRORED) where a transform turns left into right.
+pub(super) fn handedness(transform: &Transform) -> u32 {
+    match Mat3::from_cols_array_2d(&transform.columns).determinant() < 0.0 {
         true => surface::MIRRORED,
         false => 0,
     }
@@ -221,7 +226,7 @@ fn totals(scene: &Scene, instances: &[Instance], is_shared: impl Fn(usize) -> bo
 
 /// Refuses instances that do not fit in the memory of this machine once they are in world space, with the nodes of a tree
 /// over them. `optional` is what a vertex has beside its position and its normal.
-fn check_memory([vertices, triangles]: [usize; 2], optional: usize) -> Result<(), RenderError> {
+fn check_memory([vertices, triangles]: [usize; 2], optional: usize) -> Result<(), SceneError> {
     const VERTEX: usize = 2 * std::mem::size_of::<math::Vec3>();
     const TRIANGLE: usize = std::mem::size_of::<Primitive>() + std::mem::size_of::<Triangle>() + TREE;
     // A node of a binary tree has its two boxes.
@@ -260,7 +265,7 @@ pub(crate) fn flags_of(material: &Material) -> u32 {
 }
 
 /// The mesh of an instance, once its own indices are in range.
-pub(crate) fn check_instance<'a>(scene: &'a Scene, instance: &Instance) -> Result<&'a Mesh, RenderError> {
+pub(crate) fn check_instance<'a>(scene: &'a Scene, instance: &Instance) -> Result<&'a Mesh, SceneError> {
     let mesh = scene.meshes.get(instance.mesh).ok_or_else(|| wrong(instance, "the mesh index"))?;
     match instance.material {
         Some(material) if material as usize >= scene.materials.len() => Err(wrong(instance, "a material index")),
@@ -269,7 +274,7 @@ pub(crate) fn check_instance<'a>(scene: &'a Scene, instance: &Instance) -> Resul
 }
 
 /// Whether all indices of an instance's mesh are in range: kernels do not look.
-pub(crate) fn check_mesh(scene: &Scene, instance: &Instance, mesh: &Mesh) -> Result<(), RenderError> {
+pub(crate) fn check_mesh(scene: &Scene, instance: &Instance, mesh: &Mesh) -> Result<(), SceneError> {
     let vertices = mesh.positions.len();
     let fits = |len: usize| len == 0 || len == vertices;
     let lists = [mesh.normals.len(), mesh.uvs.len(), mesh.second_uvs.len(), mesh.colors.len(), mesh.tangents.len()];
@@ -287,8 +292,8 @@ pub(crate) fn check_mesh(scene: &Scene, instance: &Instance, mesh: &Mesh) -> Res
     Ok(())
 }
 
-fn wrong(instance: &Instance, part: &'static str) -> RenderError {
-    RenderError::Scene { mesh: format!("the instance '{}'", instance.name), part }
+fn wrong(instance: &Instance, part: &'static str) -> SceneError {
+    SceneError::Part { mesh: format!("the instance '{}'", instance.name), part }
 }
 
 /// Low and high corner of all triangles; both zero where there are none.
@@ -363,7 +368,7 @@ mod tests {
         if memory::available().is_none_or(|bytes| bytes > 1 << 39) {
             return;
         }
-        let Err(RenderError::Device(error)) = Flat::of(&scene) else { panic!("it fits") };
+        let Err(SceneError::Device(error)) = Flat::of(&scene) else { panic!("it fits") };
         assert!(matches!(&error, DeviceError::Memory { needed, available, .. } if needed > available), "{error}");
         assert!(error.to_string().contains("for the instances of the scene"), "{error}");
     }
@@ -391,7 +396,7 @@ mod tests {
         ] {
             let mut broken = scene(Transform::IDENTITY);
             damage(&mut broken);
-            assert!(matches!(Flat::of(&broken), Err(RenderError::Scene { .. })));
+            assert!(matches!(Flat::of(&broken), Err(SceneError::Part { .. })));
         }
     }
 }

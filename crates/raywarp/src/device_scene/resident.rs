@@ -15,7 +15,7 @@ use crate::device::{Buffer, Device, DeviceError};
 use crate::scene::{self, Image, Scene};
 
 /// What shading reads.
-pub(super) struct ResidentScene {
+pub(crate) struct ResidentScene {
     instances: Buffer<Instance>,
     primitives: Buffer<Primitive>,
     positions: Buffer<Vec3>,
