@@ -445,6 +445,14 @@ macro_rules! for_each_other_kernel {
             draw_aov: $crate::screen::DrawAov,
             reshape: $crate::refit::Reshape,
             refit: $crate::refit::Refit,
+            survey_triangles: $crate::build::survey::Survey,
+            morton_codes: $crate::build::morton::MortonCodes,
+            count_digits: $crate::build::radix_sort::CountDigits,
+            scan_digits: $crate::build::radix_sort::ScanDigits,
+            scatter_digits: $crate::build::radix_sort::ScatterDigits,
+            hploc: $crate::build::hploc::Hploc,
+            emit_nodes: $crate::build::emit::EmitNodes,
+            gather_triangles: $crate::build::gather::GatherTriangles,
         }
     };
 }

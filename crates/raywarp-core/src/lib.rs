@@ -8,7 +8,7 @@
 //! The modules in the order in which a ray meets them: [`camera`] and [`sample`] make it, [`traversal`] finds the
 //! [`triangle`] it hits, [`surface`], [`material`] and [`texture`] say what is there, [`light`] and [`shade`] what it
 //! sends back, [`film`] keeps the sum, which [`display`] and [`screen`] show. [`refit`] moves triangles
-//! within a tree. [`persistent`] answers batches whose rays go different ways. [`kernels`] lists what can be launched. What is only
+//! within a tree, [`build`] makes one. [`persistent`] answers batches whose rays go different ways. [`kernels`] lists what can be launched. What is only
 //! measured is in `lab`.
 #![cfg_attr(target_arch = "nvptx64", no_std)]
 #![cfg_attr(target_arch = "nvptx64", feature(stdarch_nvptx, core_intrinsics, core_float_math, asm_experimental_arch))]
@@ -16,6 +16,7 @@
 
 pub mod arch;
 pub mod background;
+pub mod build;
 pub mod camera;
 pub mod display;
 pub mod false_color;

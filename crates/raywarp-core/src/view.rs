@@ -50,7 +50,7 @@ impl<T: Copy> View<T> {
 
     /// Some of the items, which whoever made the view vouches to be in range.
     #[inline(always)]
-    pub(crate) fn part(&self, first: u32, len: u32) -> Self {
+    pub fn part(&self, first: u32, len: u32) -> Self {
         debug_assert!(first.checked_add(len).is_some_and(|end| end <= self.len), "{len} from {first} of {}", self.len);
         Self { address: self.address.wrapping_add(first as usize), len }
     }
@@ -191,6 +191,8 @@ plain!(
     f32,
     [f32; 2],
     [f32; 4],
+    crate::build::node::Node,
+    crate::build::survey::Findings,
     crate::film::Pixel,
     crate::kernels::FirstHit,
     crate::light::Light,

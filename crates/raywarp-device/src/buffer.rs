@@ -124,6 +124,21 @@ impl<T: Plain> Buffer<T> {
         }
     }
 
+    /// A copy of `count` items from `first` on.
+    ///
+    /// # Errors
+    /// [`DeviceError::Range`] where there are fewer, else where the device fails.
+    pub fn read(&self, first: usize, count: usize) -> Result<Vec<T>, DeviceError> {
+        let there = first.checked_add(count).is_some_and(|end| end <= self.len as usize);
+        if !there {
+            return Err(DeviceError::Range { first, items: count, len: self.len });
+        }
+        match &self.storage {
+            Storage::Host(items) => Ok(items[first..first + count].to_vec()),
+            Storage::Cuda(buffer) => buffer.download(first, count),
+        }
+    }
+
     /// A copy of the items.
     ///
     /// # Errors
@@ -131,7 +146,7 @@ impl<T: Plain> Buffer<T> {
     pub fn to_vec(&self) -> Result<Vec<T>, DeviceError> {
         match &self.storage {
             Storage::Host(items) => Ok(items.clone()),
-            Storage::Cuda(buffer) => buffer.download(self.len as usize),
+            Storage::Cuda(buffer) => buffer.download(0, self.len as usize),
         }
     }
 
@@ -142,7 +157,7 @@ impl<T: Plain> Buffer<T> {
     pub fn download(self) -> Result<Vec<T>, DeviceError> {
         match self.storage {
             Storage::Host(items) => Ok(items),
-            Storage::Cuda(buffer) => buffer.download(self.len as usize),
+            Storage::Cuda(buffer) => buffer.download(0, self.len as usize),
         }
     }
 }
@@ -160,8 +175,10 @@ mod tests {
         let mut buffer = Device::open(DeviceChoice::Cpu).unwrap().upload(&[1_u32, 2, 3]).unwrap();
         buffer.write(1, &[5, 6]).unwrap();
         assert_eq!(buffer.to_vec().unwrap(), [1, 5, 6]);
+        assert_eq!(buffer.read(1, 2).unwrap(), [5, 6]);
         for (first, items) in [(2, [7, 8]), (usize::MAX, [7, 8])] {
             assert!(matches!(buffer.write(first, &items), Err(DeviceError::Range { len: 3, .. })), "{first}");
+            assert!(matches!(buffer.read(first, 2), Err(DeviceError::Range { len: 3, .. })), "{first}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What can go wrong with a device, as sentences that state facts: what to do about them depends on who is told.
 
 /// Why a device cannot be used.
-#[derive(Debug, Clone, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DeviceError {
     /// A shape that no kernel is compiled for.
@@ -71,12 +71,12 @@ pub enum DeviceError {
         /// How many.
         len: usize,
     },
-    /// Items to be written beyond the end of a buffer.
-    #[error("{items} items cannot be written from item {first} on: the buffer holds {len}")]
+    /// Items to be read or written beyond the end of a buffer.
+    #[error("{items} items cannot be read or written from item {first} on: the buffer holds {len}")]
     Range {
         /// Index of the first.
         first: usize,
-        /// How many there are to write.
+        /// How many there are to read or write.
         items: usize,
         /// How many the buffer holds.
         len: u32,

@@ -126,3 +126,26 @@ pub fn uniform(value: u32) -> bool {
         true
     }
 }
+
+/// Which threads of the warp have the same value as this one, a bit each.
+///
+/// # Safety
+/// As for [`ballot`].
+#[inline(always)]
+pub unsafe fn alike(mask: u32, value: u32) -> u32 {
+    #[cfg(target_arch = "nvptx64")]
+    {
+        let same: u32;
+        // SAFETY: the caller's promise.
+        unsafe {
+            core::arch::asm!("match.any.sync.b32 {r}, {v}, {m};", r = out(reg32) same, v = in(reg32) value,
+                m = in(reg32) mask, options(nostack));
+        }
+        same
+    }
+    #[cfg(not(target_arch = "nvptx64"))]
+    {
+        let _ = value;
+        mask
+    }
+}

@@ -71,15 +71,16 @@ impl<T: Plain> CudaBuffer<T> {
         self.gpu.stream().memset_zeros(&mut self.bytes).map_err(failed)
     }
 
-    pub fn download(&self, items: usize) -> Result<Vec<T>, DeviceError> {
+    /// Copies items from `first` on, which are there, to the host.
+    pub fn download(&self, first: usize, items: usize) -> Result<Vec<T>, DeviceError> {
         let failed = |e| self.gpu.failed("gave data back", e);
-        let size = items * std::mem::size_of::<T>();
+        let (at, size) = (first * std::mem::size_of::<T>(), items * std::mem::size_of::<T>());
         // SAFETY: zeros are a `Plain` value.
         let mut target: Vec<T> = vec![unsafe { std::mem::zeroed() }; items];
         if size > 0 {
             // SAFETY: the items are `size` bytes, and any bytes are a `Plain` value.
             let raw = unsafe { std::slice::from_raw_parts_mut(target.as_mut_ptr().cast::<u8>(), size) };
-            self.gpu.stream().memcpy_dtoh(&self.bytes.slice(..size), raw).map_err(failed)?;
+            self.gpu.stream().memcpy_dtoh(&self.bytes.slice(at..at + size), raw).map_err(failed)?;
             self.gpu.stream().synchronize().map_err(failed)?;
         }
         Ok(target)

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use raywarp_core::triangle::Triangle;
 
 use super::bounds::Bounds;
-use super::{NODE_COST, TRIANGLE_COST};
+use super::TRIANGLE_COST;
 
 /// Most bins an axis.
 const BINS: usize = 32;
@@ -204,11 +204,6 @@ impl Cut {
         } else {
             0.0
         }
-    }
-
-    /// Expected cost of a ray that meets the box around both parts.
-    pub fn cost(&self) -> f64 {
-        NODE_COST + self.children / self.bounds[0].join(&self.bounds[1]).half_area()
     }
 
     /// Reorders the range that the bins were filled from.

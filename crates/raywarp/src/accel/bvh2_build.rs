@@ -2,15 +2,20 @@
 
 use std::time::Instant;
 
+use rayon::prelude::*;
+use raywarp_core::math::Vec3;
+use raywarp_core::ray::MISS;
 use raywarp_core::traversal::bvh2::MAX_INDEX;
 use raywarp_core::triangle::Triangle;
 
+use super::bounds::Bounds;
 use super::bvh2::Bvh2;
-use super::{bvh2_binned, leaves, reinsertion, topdown};
+use super::leaves::{alone, NOTHING};
+use super::{hploc, leaves, reinsertion, topdown};
 use super::{BuildError, Quality};
 
 /// How a binary tree becomes better before it becomes a [`Bvh2`].
-struct Recipe {
+pub(super) struct Recipe {
     /// References that spatial splits may add, a triangle.
     copies: f64,
     /// Of all nodes, the share that looks for better places, for each round of reinsertion.
@@ -24,31 +29,38 @@ const MEDIUM: Recipe = Recipe { copies: 0.0, shares: &[0.1; 6], least: 0.0 };
 
 const HIGH: Recipe = Recipe { copies: 0.5, shares: &[1.0; 12], least: 0.002 };
 
+/// How trees of a quality are built here; [`Quality::Fast`] has kernels for it.
+pub(super) fn recipe(quality: Quality) -> Option<&'static Recipe> {
+    match quality {
+        Quality::Fast => None,
+        Quality::Medium => Some(&MEDIUM),
+        Quality::High => Some(&HIGH),
+    }
+}
+
 /// Builds the tree. The result depends on the triangles, their order and the quality alone, not on the number of
 /// threads.
 ///
-/// - [`Quality::Fast`] is [`bvh2_binned`].
-/// - [`Quality::Medium`] goes on to one triangle a leaf, lets the largest nodes look for better places, and then decides
-///   which subtrees become leaves.
+/// - [`Quality::Fast`] is [`hploc`], with the bits that a GPU gives. It leaves triangles out that cannot be hit.
+/// - [`Quality::Medium`] splits from the top, by the surface area heuristic over bins, down to one triangle a leaf, lets
+///   the largest nodes look for better places, and then decides which subtrees become leaves.
 /// - [`Quality::High`] also splits space where boxes would overlap, so that some triangles are in several leaves, and
 ///   lets all nodes look for better places until little is gained.
 ///
 /// # Errors
 /// More than [`MAX_INDEX`] triangles, or references where space is split.
 pub fn build(triangles: Vec<Triangle>, quality: Quality) -> Result<Bvh2, BuildError> {
-    build_ordered(&triangles, quality).map(|(tree, _)| tree)
+    match recipe(quality) {
+        None => hploc::build_on_host(triangles),
+        Some(recipe) => build_ordered(&triangles, recipe).map(|(tree, _)| tree),
+    }
 }
 
 /// Also gives which triangle each of the tree's is, as an index into those given; of an empty scene nothing.
-pub(super) fn build_ordered(triangles: &[Triangle], quality: Quality) -> Result<(Bvh2, Vec<u32>), BuildError> {
-    let recipe = match quality {
-        Quality::Medium => MEDIUM,
-        Quality::High => HIGH,
-        Quality::Fast => return bvh2_binned::build_ordered(triangles),
-    };
+pub(super) fn build_ordered(triangles: &[Triangle], recipe: &Recipe) -> Result<(Bvh2, Vec<u32>), BuildError> {
     let start = Instant::now();
     if triangles.is_empty() {
-        return bvh2_binned::build_ordered(triangles);
+        return Ok((empty(), Vec::new()));
     }
     let most = triangles.len() + (triangles.len() as f64 * recipe.copies) as usize;
     BuildError::check(most, MAX_INDEX)?;
@@ -56,7 +68,14 @@ pub(super) fn build_ordered(triangles: &[Triangle], quality: Quality) -> Result<
     reinsertion::optimise(&mut tree, recipe.shares, recipe.least);
     let (nodes, order) = leaves::collapse(&tree, triangles.len());
     drop(tree);
-    Ok((bvh2_binned::assemble(nodes, &order, triangles, start), order))
+    let ordered = order.par_iter().map(|&index| triangles[index as usize]).collect();
+    Ok((Bvh2 { nodes, triangles: ordered, build_seconds: start.elapsed().as_secs_f64() }, order))
+}
+
+/// A root without children.
+pub(super) fn empty() -> Bvh2 {
+    let point = Triangle::new(Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, MISS, 0);
+    Bvh2 { nodes: vec![alone(NOTHING, Bounds::EMPTY)], triangles: vec![point], build_seconds: 0.0 }
 }
 
 #[cfg(test)]
@@ -64,7 +83,7 @@ mod tests {
     use super::*;
     use crate::accel::Invalid;
     use raywarp_core::math::vec3;
-    use raywarp_core::traversal::bvh2::MAX_DEPTH;
+    use raywarp_core::traversal::bvh2::{Child, Node, MAX_DEPTH};
 
     fn at(x: f32, size: f32, primitive: u32) -> Triangle {
         let corner = |y, z| vec3(x, y * size, z * size);
@@ -159,5 +178,38 @@ mod tests {
             other.triangles[index] = at(100.0, 1.0, 0);
             assert!(matches!(other.validate(), Err(Invalid::Outside { .. })), "{index}");
         }
+    }
+
+    fn row(count: u32, position: impl Fn(u32) -> f32) -> Vec<Triangle> {
+        (0..count).map(|i| at(position(i), 1.0, i)).collect()
+    }
+
+    #[test]
+    fn flaws_are_found() {
+        let tree = build(row(100, |i| i as f32), Quality::Fast).unwrap();
+        let broken = |change: fn(&mut Bvh2)| {
+            let mut tree = tree.clone();
+            change(&mut tree);
+            tree.validate().unwrap_err()
+        };
+        assert_eq!(broken(|tree| tree.nodes.clear()), Invalid::NoRoot);
+        assert_eq!(broken(|tree| tree.nodes[0].children[0] = Child::node(0)), Invalid::Reached { node: 0 });
+        assert!(matches!(broken(|tree| tree.nodes[0].children[1] = Child::node(999)), Invalid::OutOfRange { .. }));
+        assert!(matches!(broken(|tree| tree.nodes[0].children[1] = Child::leaf(98, 3)), Invalid::OutOfRange { .. }));
+        assert!(matches!(broken(|tree| tree.nodes[0].children[1] = Child::leaf(0, 1)), Invalid::Unreached { .. }));
+        assert_eq!(broken(|tree| tree.nodes[0].low[1].x = f32::NAN), Invalid::NoBox { node: 0 });
+        assert_eq!(broken(|tree| tree.nodes[0].high[1].x -= 1.0), Invalid::Outside { node: 0 });
+        assert!(matches!(broken(|tree| tree.nodes.push(tree.nodes[0])), Invalid::Unreached { .. }));
+        assert!(matches!(broken(|tree| tree.triangles.push(at(0.0, 1.0, 0))), Invalid::Leaves { leaves: 0, .. }));
+    }
+
+    #[test]
+    fn a_chain_that_overflows_the_stack_is_found() {
+        let triangles = row(100, |_| 0.0);
+        let bounds = Bounds::of(&triangles[0]);
+        let link = |i: u32| [Child::leaf(i, 1), if i < 98 { Child::node(i + 1) } else { Child::leaf(99, 1) }];
+        let nodes = (0..99).map(|i| Node { children: link(i), ..leaves::node(&[bounds; 2]) }).collect();
+        let flaw = Bvh2::from_parts(nodes, triangles).unwrap_err();
+        assert_eq!(flaw, Invalid::TooDeep { node: MAX_DEPTH as u32, limit: MAX_DEPTH });
     }
 }

@@ -1,9 +1,10 @@
 //! The 32-byte nodes of a binary hierarchy, made from its 64-byte nodes.
 
+use raywarp_core::build::quantize::{plane, quantize, MOST};
 use raywarp_core::math::Vec3;
 use raywarp_core::traversal;
 use raywarp_core::traversal::bvh2::Node as Full;
-use raywarp_core::traversal::bvh2_quantized::{position, Corner, Grid, Node};
+use raywarp_core::traversal::bvh2_quantized::{position, Grid, Node};
 use raywarp_core::triangle::Triangle;
 
 use super::bounds::Bounds;
@@ -100,9 +101,6 @@ pub(super) fn expand(node: &Node, grid: &Grid) -> Full {
 const FIRST: f64 = 2.001;
 const LAST: f64 = 7.99;
 
-/// Largest code of a plane.
-const MOST: u32 = 0xffff;
-
 /// The grid over `bounds`.
 pub(crate) fn grid(bounds: &Bounds) -> Grid {
     let axis = |i: usize| {
@@ -138,7 +136,7 @@ fn axis(low: f64, high: f64) -> (f32, f32) {
 /// The same tree on a grid: boxes contain those of `nodes`.
 pub(crate) fn compress(nodes: &[Full], grid: &Grid) -> Vec<Node> {
     use rayon::prelude::*;
-    nodes.par_iter().map(|node| Node { children: [0, 1].map(|side| corner(node, side, grid)) }).collect()
+    nodes.par_iter().map(|node| quantize(node, grid)).collect()
 }
 
 /// Whether `small` is what [`compress`] makes of `nodes`.
@@ -153,51 +151,11 @@ pub(crate) fn same(nodes: &[Full], small: &[Node], grid: &Grid) -> Result<(), In
     }
 }
 
-fn corner(node: &Full, side: usize, grid: &Grid) -> Corner {
-    let (low, high) = (node.low[side], node.high[side]);
-    let missing = (0..3).any(|i| low[i] > high[i]);
-    let planes = [0, 1, 2].map(|i| {
-        if missing {
-            return MOST;
-        }
-        below(low[i], grid, i) | above(high[i], grid, i) << 16
-    });
-    Corner { planes, link: node.children[side] }
-}
-
-fn plane(code: u32, grid: &Grid, axis: u32) -> f64 {
-    f64::from(grid.base[axis]) + f64::from(grid.scale[axis]) * f64::from(position(code))
-}
-
-/// The code next to a plane; the two beside it hold it between them.
-fn close(x: f32, grid: &Grid, axis: u32) -> u32 {
-    let place = (f64::from(x) - f64::from(grid.base[axis])) / f64::from(grid.scale[axis]);
-    // The codes are the middle bits of the numbers from 2 to 8.
-    (place.clamp(2.0, 7.999) as f32).to_bits() >> 8 & MOST
-}
-
-/// The last code that is not above `x`.
-fn below(x: f32, grid: &Grid, axis: u32) -> u32 {
-    let mut code = (close(x, grid, axis) + 1).min(MOST);
-    while code > 0 && plane(code, grid, axis) > f64::from(x) {
-        code -= 1;
-    }
-    code
-}
-
-/// The first code that is not below `x`.
-fn above(x: f32, grid: &Grid, axis: u32) -> u32 {
-    let mut code = close(x, grid, axis).saturating_sub(1);
-    while code < MOST && plane(code, grid, axis) < f64::from(x) {
-        code += 1;
-    }
-    code
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use raywarp_core::build::quantize::{above, below};
 
     proptest! {
         #[test]

@@ -3,6 +3,7 @@
 use raywarp_core::traversal::bvh2::MAX_INDEX;
 
 use super::AccelKind;
+use crate::device::DeviceError;
 
 /// Why a structure could not be built.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -45,6 +46,9 @@ pub enum BuildError {
         /// What cannot trace it.
         device: String,
     },
+    /// The device that builds fails, or has no room.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
     /// An instance of nothing.
     #[error("instance {placement} is of mesh {mesh}, but there are {count}")]
     NoSuchMesh {

@@ -9,7 +9,6 @@ use raywarp_core::traversal::bvh2::{Child, Node, MAX_DEPTH, MAX_LEAF};
 
 use super::binary::{Tree, ROOT};
 use super::bounds::Bounds;
-use super::bvh2_binned::{alone, node};
 use super::NODE_COST;
 
 /// Cost of a triangle's test where nodes are weighed against leaves. Less than in the heuristic: the triangles of a leaf
@@ -138,4 +137,18 @@ impl Emission<'_> {
 /// How often so many references must be halved to become leaves.
 fn halvings(count: u32) -> usize {
     count.div_ceil(MOST).next_power_of_two().trailing_zeros() as usize
+}
+
+/// With boxes, but no children yet.
+pub(super) fn node(bounds: &[Bounds; 2]) -> Node {
+    let [[low_left, high_left], [low_right, high_right]] = bounds.each_ref().map(Bounds::corners);
+    Node { low: [low_left, low_right], high: [high_left, high_right], children: [NOTHING; 2], unused: [0; 2] }
+}
+
+/// Where a child that does not exist links to.
+pub(super) const NOTHING: Child = Child::leaf(0, 1);
+
+/// The root of a scene that is one leaf.
+pub(super) fn alone(leaf: Child, bounds: Bounds) -> Node {
+    Node { children: [leaf, NOTHING], ..node(&[bounds, Bounds::EMPTY]) }
 }

@@ -7,7 +7,7 @@
 //!
 //! Where meshes are placed many times, [`two_level`] keeps each once, with a tree over the placements.
 //!
-//! A [`bvh2`] of quality goes through a binary tree with one triangle a leaf: built from the top, with spatial splits
+//! A fast [`bvh2`] is built by [`hploc`], on a device or here. One of quality goes through a binary tree with one triangle a leaf: built from the top, with spatial splits
 //! where they pay, made better by reinsertion, and collapsed.
 //!
 //! The structures are those of [`traversal`], owned by the host. Traced on the CPU or copied to a
@@ -21,7 +21,6 @@ pub mod bounds;
 pub mod boxes;
 pub mod brute;
 pub mod bvh2;
-pub mod bvh2_binned;
 pub mod bvh2_build;
 pub mod bvh2_dual;
 pub mod bvh2_quantized;
@@ -33,6 +32,7 @@ pub mod clip;
 pub mod collapse;
 mod cover;
 mod error;
+pub mod hploc;
 pub mod kdtree;
 #[doc(hidden)]
 pub mod kdtree_arrays;

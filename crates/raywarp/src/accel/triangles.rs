@@ -1,6 +1,7 @@
 //! Which triangles can be hit at all.
 
-use raywarp_core::math::Vec3;
+use raywarp_core::build::hittable::has_area;
+pub use raywarp_core::build::hittable::is_finite;
 use raywarp_core::triangle::Triangle;
 
 /// Triangles that no ray can hit, by the reason.
@@ -38,10 +39,8 @@ impl Dropped {
     }
 }
 
-/// Keeps the triangles that a ray can hit, in their order, and counts the others.
-///
-/// The area is taken in double precision from the corners as they are, where it neither overflows nor vanishes, and
-/// must be exactly zero for a triangle to go.
+/// Keeps the triangles that a ray can hit, in their order, and counts the others: those without [an
+/// area](raywarp_core::build::hittable::has_area) and those that are not finite.
 pub fn drop_degenerate(mut triangles: Vec<Triangle>) -> (Vec<Triangle>, Dropped) {
     let mut dropped = Dropped::default();
     triangles.retain(|triangle| {
@@ -52,24 +51,6 @@ pub fn drop_degenerate(mut triangles: Vec<Triangle>) -> (Vec<Triangle>, Dropped)
         keep
     });
     (triangles, dropped)
-}
-
-/// Whether no coordinate is NaN or infinite.
-pub fn is_finite(triangle: &Triangle) -> bool {
-    [triangle.v0, triangle.v1, triangle.v2].iter().flat_map(|v| v.to_array()).all(f32::is_finite)
-}
-
-fn has_area(triangle: &Triangle) -> bool {
-    let [a, b] = [triangle.v1, triangle.v2].map(|v| difference(v, triangle.v0));
-    (0..3).any(|i| {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        a[j] * b[k] != a[k] * b[j]
-    })
-}
-
-fn difference(a: Vec3, b: Vec3) -> [f64; 3] {
-    let (a, b) = (a.to_array(), b.to_array());
-    [0, 1, 2].map(|i| f64::from(a[i]) - f64::from(b[i]))
 }
 
 #[cfg(test)]

@@ -244,8 +244,8 @@ fn bits(triangle: &Triangle) -> [u32; 11] {
 mod tests {
     use super::*;
     use crate::accel::bvh2::Bvh2;
-    use crate::accel::bvh2_binned;
     use crate::accel::bvh8f::Bvh8f;
+    use crate::accel::{bvh2_build, Quality};
     use raywarp_core::math::vec3;
     use raywarp_core::traversal::bvh2::{Child, Node, MAX_DEPTH};
 
@@ -282,7 +282,7 @@ mod tests {
     #[test]
     fn every_small_count_is_a_valid_tree() {
         for count in 0..70 {
-            let tree = made(&bvh2_binned::build(row(count)).unwrap());
+            let tree = made(&bvh2_build::build(row(count), Quality::Fast).unwrap());
             assert_eq!(tree.validate(), Ok(()), "{count}");
             assert_eq!(tree.stats().references, count as usize);
         }
@@ -326,7 +326,7 @@ mod tests {
 
     #[test]
     fn flaws_are_found() {
-        let whole = made(&bvh2_binned::build(row(200)).unwrap());
+        let whole = made(&bvh2_build::build(row(200), Quality::Fast).unwrap());
         let broken = |change: fn(&mut Bvh8f)| {
             let mut tree = whole.clone();
             change(&mut tree);

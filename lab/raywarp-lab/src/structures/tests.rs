@@ -2,7 +2,7 @@
 
 use raywarp::accel::bounds::Bounds;
 use raywarp::accel::bvh2::Bvh2;
-use raywarp::accel::{bvh2_binned, Invalid};
+use raywarp::accel::{bvh2_build, Invalid, Quality};
 use raywarp::Triangle;
 use raywarp_core::math::vec3;
 use raywarp_core::traversal::bvh2::{Child, Node, MAX_DEPTH};
@@ -55,7 +55,7 @@ fn chain(triangles: Vec<Triangle>) -> Bvh2 {
 #[test]
 fn every_small_count_is_a_valid_tree() {
     for count in 0..70 {
-        let binary = bvh2_binned::build(row(count)).unwrap();
+        let binary = bvh2_build::build(row(count), Quality::Fast).unwrap();
         for_each_layout!(&binary, tree => {
             assert_eq!(tree.validate(), Ok(()), "{count}");
             assert_eq!(tree.stats().references, count as usize);
@@ -91,7 +91,7 @@ fn a_triangle_may_be_in_several_leaves() {
 
 #[test]
 fn flaws_of_every_layout_are_found() {
-    let binary = bvh2_binned::build(row(200)).unwrap();
+    let binary = bvh2_build::build(row(200), Quality::Fast).unwrap();
     for_each_layout!(&binary, tree => {
         let whole = tree.clone();
         tree.nodes.push(tree.nodes[0]);

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 use raywarp_core::triangle::Triangle;
 
-use super::{Accel, AccelKind, Build, BuildError};
+use super::{bvh2_build, Accel, AccelKind, Build, BuildError};
 
 /// Scenes of fewer triangles are built sooner than read.
 pub const SMALLEST: usize = 4096;
@@ -100,7 +100,7 @@ pub enum CacheError {
 }
 
 /// As [`Accel::build`], from `cache` if the same was built before. Only hierarchies of boxes over at least [`SMALLEST`]
-/// triangles are kept: the others are there sooner than a file.
+/// triangles are kept, and none of [fast](super::Quality::Fast) quality: the others are there sooner than a file.
 ///
 /// # Errors
 /// Those of [`Accel::build`]; what the disk does is a warning.
@@ -110,7 +110,8 @@ pub fn build_cached(
     cache: Option<&Cache>,
 ) -> Result<Cached, BuildError> {
     let what = what.into();
-    let Some(cache) = cache.filter(|_| what.kind.is_hierarchy() && triangles.len() >= SMALLEST) else {
+    let cache = cache.filter(|_| what.kind.is_hierarchy() && triangles.len() >= SMALLEST);
+    let (Some(cache), Some(recipe)) = (cache, bvh2_build::recipe(what.quality)) else {
         return Ok(Cached { accel: Accel::build(what, triangles)?, found: false, warning: None });
     };
     // Every layout is made of the same tree.
@@ -122,7 +123,7 @@ pub fn build_cached(
     if let Some(tree) = tree {
         return Ok(Cached { accel: Accel::laid_out(what.kind, tree)?, found: true, warning: None });
     }
-    let (tree, order) = super::bvh2_build::build_ordered(&triangles, what.quality)?;
+    let (tree, order) = bvh2_build::build_ordered(&triangles, recipe)?;
     let unwritable = cache.write(key, &tree.nodes, &order).err();
     Ok(Cached { accel: Accel::laid_out(what.kind, tree)?, found: false, warning: unwritable.or(unreadable) })
 }

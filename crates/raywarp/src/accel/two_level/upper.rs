@@ -1,7 +1,6 @@
 //! The tree over the boxes of instances, one in each leaf.
 //!
-//! Cut by the surface area heuristic as [`bvh2_binned`](crate::accel::bvh2_binned) cuts triangles, within the fewer
-//! levels that traversal's stack has for it.
+//! Cut by the surface area heuristic over bins (Wald 2007), within the fewer levels that traversal's stack has for it.
 
 use raywarp_core::traversal::bvh2::{Child, Node};
 use raywarp_core::traversal::two_level::MAX_UPPER_DEPTH;
