@@ -8,7 +8,6 @@ use pyo3::exceptions::{
 use pyo3::PyErr;
 use raywarp::device::DeviceError as Failure;
 use raywarp::query::QueryError;
-use raywarp::render::RenderError;
 use raywarp::scene::LoadError;
 
 pyo3::create_exception!(
@@ -31,7 +30,7 @@ pub fn of_device(error: &Failure) -> PyErr {
 /// Of a query, or of the structure that it needs.
 pub fn of_query(error: &QueryError) -> PyErr {
     match error {
-        QueryError::Device(error) | QueryError::Scene(RenderError::Device(error)) => of_device(error),
+        QueryError::Device(error) => of_device(error),
         other => PyValueError::new_err(other.to_string()),
     }
 }
