@@ -443,6 +443,8 @@ macro_rules! for_each_other_kernel {
             tone_map_film: $crate::screen::ToneMapFilm,
             aov_ranges: $crate::screen::AovRanges,
             draw_aov: $crate::screen::DrawAov,
+            closest_point: $crate::closest_point::ClosestPoint,
+            gather_rays: $crate::gather::GatherRays,
             reshape: $crate::refit::Reshape,
             refit: $crate::refit::Refit,
             survey_triangles: $crate::build::survey::Survey,

@@ -48,6 +48,11 @@ impl<T: Copy> View<T> {
         self.len == 0
     }
 
+    /// Where they are, in the memory of the device.
+    pub fn address(&self) -> *const T {
+        self.address
+    }
+
     /// Some of the items, which whoever made the view vouches to be in range.
     #[inline(always)]
     pub fn part(&self, first: u32, len: u32) -> Self {

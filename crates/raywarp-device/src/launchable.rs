@@ -33,6 +33,12 @@ pub trait Launchable {
     /// As there.
     unsafe fn time(&self, device: &Device, extent: [u32; 2], times: [u32; 2]) -> Result<Vec<f64>, DeviceError>;
 
+    /// See [`Device::load`].
+    ///
+    /// # Errors
+    /// As there.
+    fn load(&self, device: &Device) -> Result<(), DeviceError>;
+
     /// See [`Device::kernel_info`].
     ///
     /// # Errors
@@ -59,6 +65,10 @@ impl<K: Kernel> Launchable for K {
     ) -> Result<Vec<f64>, DeviceError> {
         // SAFETY: the caller's promise.
         unsafe { device.time(self, extent, warmup, repeats) }
+    }
+
+    fn load(&self, device: &Device) -> Result<(), DeviceError> {
+        device.load::<K>()
     }
 
     fn info(&self, device: &Device, extent: [u32; 2]) -> Result<Option<KernelInfo>, DeviceError> {

@@ -8,6 +8,7 @@ mod choice;
 mod cpu;
 mod cuda;
 mod error;
+mod foreign;
 mod kernel_info;
 pub mod kernels;
 mod launchable;

@@ -38,6 +38,21 @@ impl Stream {
         Ok(Self { queue })
     }
 
+    pub(crate) fn on_cpu() -> Self {
+        Self { queue: Queue::Cpu }
+    }
+
+    pub(crate) fn on_cuda(stream: cuda::Stream) -> Self {
+        Self { queue: Queue::Cuda(stream) }
+    }
+
+    pub(crate) fn on_cuda_stream(&self) -> Option<&cuda::Stream> {
+        match &self.queue {
+            Queue::Cpu => None,
+            Queue::Cuda(stream) => Some(stream),
+        }
+    }
+
     /// Whether this is a queue of that device.
     pub(crate) fn is_on(&self, machine: &Machine) -> bool {
         match (&self.queue, machine) {

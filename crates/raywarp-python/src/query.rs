@@ -134,7 +134,7 @@ impl Scene {
         limit: u32,
         mut answer: impl FnMut(Batch<'_>, std::ops::Range<usize>) -> Result<(), QueryError> + Send,
     ) -> PyResult<()> {
-        let caster = self.caster(py)?;
+        let enqueuer = self.enqueuer(py)?;
         let all = |stop: &Stop| -> Result<(), QueryError> {
             for part in rays.pieces() {
                 let piece = rays.part(part.clone());
@@ -142,7 +142,7 @@ impl Scene {
                     true => ControlFlow::Break(()),
                     false => ControlFlow::Continue(()),
                 };
-                answer(caster.batch(&piece).max_hits(limit).watched(&mut watch), part)?;
+                answer(enqueuer.caster().batch(&piece).max_hits(limit).watched(&mut watch), part)?;
             }
             Ok(())
         };

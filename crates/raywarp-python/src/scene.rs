@@ -1,7 +1,7 @@
 //! A scene: meshes, where they stand, and the structure over them on a device.
 
 use std::path::PathBuf;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use numpy::{PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::{PyIndexError, PyValueError};
@@ -9,7 +9,9 @@ use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use raywarp::accel::Build;
 use raywarp::device::{Device, DeviceChoice};
-use raywarp::query::RayCaster;
+use raywarp::device_scene::{DeviceScene, Levels};
+use raywarp::query::enqueue::Enqueuer;
+use raywarp::query::{ClosestPoints, QueryError, RayCaster};
 use raywarp::scene::load::{self, LoadOptions};
 use raywarp::scene::settings::Quality;
 use raywarp::scene::{Instance, Material, Mesh, Transform};
@@ -30,8 +32,14 @@ struct State {
     scene: raywarp::Scene,
     /// Instances of the file that it was read from: the first ones.
     of_file: usize,
-    /// None before the first commit.
-    caster: Option<RayCaster>,
+    /// Whether instances are to move.
+    moving: bool,
+    /// What is asked; none before the first commit.
+    enqueuer: Option<Arc<Enqueuer>>,
+    /// Where its instances are; none where other vertices were given since.
+    placed: Option<Vec<Instance>>,
+    /// For closest points; none until someone asks.
+    points: Option<Arc<ClosestPoints>>,
 }
 
 #[pymethods]
@@ -54,13 +62,13 @@ impl Scene {
         if scene.materials.is_empty() {
             scene.materials.push(Material::default());
         }
-        *self.state(py) = State { of_file: scene.instances.len(), scene, caster: None };
+        *self.state(py) = State { of_file: scene.instances.len(), scene, ..State::default() };
         Ok(loaded.warnings.iter().map(ToString::to_string).collect())
     }
 
     /// `cpu` or `cuda:N`.
-    #[getter]
-    fn device(&self) -> String {
+    #[getter(device)]
+    fn device_name(&self) -> String {
         self.device.cuda_index().map_or("cpu".to_owned(), |index| format!("cuda:{index}"))
     }
 
@@ -107,15 +115,18 @@ impl Scene {
     fn move_vertices(&self, py: Python<'_>, mesh: usize, vertices: PyReadonlyArray2<'_, f32>) -> PyResult<()> {
         let positions = bytemuck::cast_slice(vertices.as_slice()?).to_vec();
         let mut state = self.state(py);
+        state.placed = None;
         state.scene.meshes.get_mut(mesh).ok_or_else(|| no_mesh(mesh))?.positions = positions;
         Ok(())
     }
 
-    /// Lets meshes stand where rows of 3 x 4 numbers put them, beside what the file holds and nothing else.
-    fn place(&self, py: Python<'_>, placements: Vec<(usize, PyReadonlyArray3<'_, f32>)>) -> PyResult<()> {
+    /// Lets meshes stand where rows of 3 x 4 numbers put them, beside what the file holds and nothing else. Where they `move`, each mesh is
+    /// kept once, in a space of its own.
+    fn place(&self, py: Python<'_>, placements: Vec<(usize, PyReadonlyArray3<'_, f32>)>, moving: bool) -> PyResult<()> {
         let mut state = self.state(py);
         let of_file = state.of_file;
         state.scene.instances.truncate(of_file);
+        state.moving = moving;
         for (mesh, transforms) in &placements {
             let instance = |rows: &[f32]| Instance {
                 name: String::new(),
@@ -128,19 +139,49 @@ impl Scene {
         Ok(())
     }
 
-    /// Builds the structure; returns how many triangles can be hit, and how many cannot.
-    fn commit(&self, py: Python<'_>, threads: Option<usize>) -> PyResult<(usize, usize)> {
-        let build = || {
+    /// Brings what is new or changed to the device.
+    fn commit(&self, py: Python<'_>, threads: Option<usize>) -> PyResult<()> {
+        let commit = || {
             let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-            let wished = Build::wished(&state.scene.render, &self.device, false);
-            let what = Build { quality: self.quality.unwrap_or(wished.quality), ..wished };
-            let caster = RayCaster::from_scene(&state.scene, what, &self.device)?;
-            let report = caster.report();
-            let counts = (report.triangles, report.dropped.count());
-            state.caster = Some(caster);
-            Ok(counts)
+            match state.move_instances() {
+                true => Ok(()),
+                false => state.build(self.quality, &self.device),
+            }
         };
-        work::run(py, threads, |_| build())?.map_err(|error| errors::of_query(&error))
+        work::run(py, threads, |_| commit())?.map_err(|error| errors::of_query(&error))
+    }
+}
+
+impl State {
+    /// Moves instances on the device. Returns whether that is all that changed, and could be done.
+    fn move_instances(&mut self) -> bool {
+        let (Some(enqueuer), Some(placed)) = (&mut self.enqueuer, &self.placed) else { return false };
+        let now = &self.scene.instances;
+        if now.len() != placed.len() || now.iter().zip(placed).any(|(now, placed)| now.mesh != placed.mesh) {
+            return false;
+        }
+        let changed = now.iter().zip(placed).enumerate().filter(|(_, (now, placed))| now.transform != placed.transform);
+        let moved: Vec<_> = changed.map(|(index, (now, _))| (index, &now.transform)).collect();
+        // Where others ask meanwhile, or the device cannot, the scene is built anew: that tells what is wrong.
+        let done = moved.is_empty()
+            || Arc::get_mut(enqueuer).is_some_and(|enqueuer| enqueuer.set_transforms(&moved).unwrap_or(false));
+        if done && !moved.is_empty() {
+            (self.placed, self.points) = (Some(now.clone()), None);
+        }
+        done
+    }
+
+    /// Brings all of the scene to the device.
+    fn build(&mut self, quality: Option<Quality>, device: &Device) -> Result<(), QueryError> {
+        let wished = Build::wished(&self.scene.render, device, false);
+        let what = Build { quality: quality.unwrap_or(wished.quality), ..wished };
+        let levels = if self.moving { Levels::Two } else { Levels::Auto };
+        // What was, is freed first, once no stream reads it.
+        (self.enqueuer, self.points, self.placed) = (None, None, None);
+        let scene = DeviceScene::geometry(&self.scene, levels, what, device)?;
+        self.enqueuer = Some(Arc::new(Enqueuer::new(RayCaster::of_scene(Arc::new(scene)))?));
+        self.placed = Some(self.scene.instances.clone());
+        Ok(())
     }
 }
 
@@ -149,9 +190,31 @@ impl Scene {
     ///
     /// # Errors
     /// The package commits before it asks, so this tells of a mistake in it.
-    pub fn caster(&self, py: Python<'_>) -> PyResult<RayCaster> {
-        let caster = self.state(py).caster.clone();
-        caster.ok_or_else(|| PyValueError::new_err("the scene was not committed"))
+    pub fn enqueuer(&self, py: Python<'_>) -> PyResult<Arc<Enqueuer>> {
+        let enqueuer = self.state(py).enqueuer.clone();
+        enqueuer.ok_or_else(|| PyValueError::new_err("the scene was not committed"))
+    }
+
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// What finds closest points, built where nobody has asked yet.
+    ///
+    /// # Errors
+    /// Those of building it.
+    pub fn closest_points(&self, py: Python<'_>, threads: Option<usize>) -> PyResult<Arc<ClosestPoints>> {
+        if let Some(points) = &self.state(py).points {
+            return Ok(Arc::clone(points));
+        }
+        let build = || {
+            let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+            let quality = self.quality.unwrap_or(state.scene.render.tree.unwrap_or_default());
+            let points = Arc::new(ClosestPoints::from_scene(&state.scene, quality, &self.device)?);
+            state.points = Some(Arc::clone(&points));
+            Ok(points)
+        };
+        work::run(py, threads, |_| build())?.map_err(|error| errors::of_query(&error))
     }
 
     /// Does something with the meshes and where they stand; not for a thread that keeps others from Python.

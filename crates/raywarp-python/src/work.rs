@@ -63,22 +63,29 @@ fn wait<T>(result: &mpsc::Receiver<T>, stop: &Stop) -> PyResult<T> {
     }
 }
 
-/// Pools by their number of threads. A process that was forked has none of its parent's threads, so it makes its own.
+/// Pools of a process, by their number of threads.
+struct Pools {
+    process: u32,
+    by_threads: HashMap<usize, Arc<ThreadPool>>,
+}
+
+static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
+
+/// A pool of so many threads. A process that was forked has none of its parent's threads, so it makes its own.
 fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
-    static POOLS: Mutex<Option<(u32, HashMap<usize, Arc<ThreadPool>>)>> = Mutex::new(None);
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
     let process = std::process::id();
-    if pools.as_ref().is_some_and(|(owner, _)| *owner != process) {
+    if pools.as_ref().is_some_and(|pools| pools.process != process) {
         // Not dropped: that would wait for threads of another process.
         std::mem::forget(pools.take());
     }
-    let (_, pools) = pools.get_or_insert_with(|| (process, HashMap::new()));
+    let pools = pools.get_or_insert_with(|| Pools { process, by_threads: HashMap::new() });
     // None of them is the number that the machine, or RAYON_NUM_THREADS, says.
     let threads = threads.unwrap_or(0);
-    if let Some(pool) = pools.get(&threads) {
+    if let Some(pool) = pools.by_threads.get(&threads) {
         return Ok(Arc::clone(pool));
     }
     let built = ThreadPoolBuilder::new().num_threads(threads).thread_name(|index| format!("raywarp-{index}")).build();
     let pool = built.map_err(|error| PyRuntimeError::new_err(format!("cannot start {threads} threads: {error}")))?;
-    Ok(Arc::clone(pools.entry(threads).or_insert(Arc::new(pool))))
+    Ok(Arc::clone(pools.by_threads.entry(threads).or_insert(Arc::new(pool))))
 }

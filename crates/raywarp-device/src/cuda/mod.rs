@@ -1,6 +1,7 @@
 //! CUDA devices, through the driver alone: `libcuda` is loaded at run time, the kernels come as PTX.
 
 mod buffer;
+mod foreign;
 mod pinned;
 mod ptx;
 mod stream;

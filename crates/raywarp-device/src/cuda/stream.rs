@@ -34,6 +34,15 @@ impl Stream {
         Ok(Self { gpu: gpu.clone(), stream })
     }
 
+    /// Of that device.
+    pub fn of(gpu: &Cuda, stream: Arc<CudaStream>) -> Self {
+        Self { gpu: gpu.clone(), stream }
+    }
+
+    pub fn queue(&self) -> &CudaStream {
+        &self.stream
+    }
+
     pub fn gpu(&self) -> &Cuda {
         &self.gpu
     }

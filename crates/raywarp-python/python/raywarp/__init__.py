@@ -13,8 +13,9 @@ the same to the bit on every device.
 """
 
 from raywarp._hits import AllHits, Hits
+from raywarp._nearest import Nearest
 from raywarp._placed import Instances, Mesh
 from raywarp._raywarp import DeviceError, __version__
 from raywarp._scene import Scene
 
-__all__ = ["AllHits", "DeviceError", "Hits", "Instances", "Mesh", "Scene", "__version__"]
+__all__ = ["AllHits", "DeviceError", "Hits", "Instances", "Mesh", "Nearest", "Scene", "__version__"]

@@ -2,102 +2,206 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, Union
 
 import numpy as np
 import numpy.typing as npt
 
-from raywarp import _raywarp
-from raywarp._arrays import Floats, Ints
+from raywarp import _libraries, _raywarp
 from raywarp._rays import Rays
 
 if TYPE_CHECKING:
+    from raywarp._device import DeviceBatch
     from raywarp._scene import Scene
 
 
+class Room(Protocol):
+    """Where hits are."""
+
+    @property
+    def t(self) -> Any: ...
+    @property
+    def uv(self) -> Any: ...
+    @property
+    def primitive(self) -> Any: ...
+    @property
+    def geometry(self) -> Any: ...
+
+
+class Asked(Protocol):
+    """Rays or points of a call, which know how arrays are given to people and taken from them."""
+
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+    @property
+    def library(self) -> _libraries.Library: ...
+    def to_host(self, array: Any) -> npt.NDArray[Any]: ...
+    def give(self, array: npt.NDArray[Any]) -> Any: ...
+
+
+class AskedOnDevice(Protocol):
+    """The same on a CUDA device."""
+
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+    @property
+    def library(self) -> _libraries.Library: ...
+    def empty(self, shape: tuple[int, ...], kind: str) -> Any: ...
+
+
+class HostRoom:
+    """Arrays of NumPy, one for each of the numbers, given as those of the library of the rays."""
+
+    def __init__(self, shape: tuple[int, ...], library: _libraries.Library) -> None:
+        self.shape = shape
+        self.library = library
+        self.arrays: tuple[npt.NDArray[Any], ...] = (
+            np.empty(shape, np.float32),
+            np.empty((*shape, 2), np.float32),
+            np.empty(shape, np.int32),
+            np.empty(shape, np.int32),
+        )
+        self.t, self.uv, self.primitive, self.geometry = map(library.from_host, self.arrays)
+
+
+class DeviceRoom:
+    """Arrays on a device, as kernels write them: t, u, v and the bits of the primitive of a hit side by side, the geometry apart. What
+    people see are views."""
+
+    def __init__(self, batch: AskedOnDevice, shape: Any = None) -> None:
+        self.shape = batch.shape if shape is None else shape
+        self.library = batch.library
+        self.records = batch.empty((*self.shape, 4), "float32")
+        self.instances = batch.empty(self.shape, "int32")
+        # What a kernel may still read that nobody else has.
+        self.holds: Any = None
+
+    @property
+    def t(self) -> Any:
+        return self.library.finished(self.records)[..., 0]
+
+    @property
+    def uv(self) -> Any:
+        return self.library.finished(self.records)[..., 1:3]
+
+    @property
+    def primitive(self) -> Any:
+        return self.library.finished(self.library.integers(self.records))[..., 3]
+
+    @property
+    def geometry(self) -> Any:
+        return self.library.finished(self.instances)
+
+
 class Hits:
-    """The closest hit of each ray. Arrays have the shape of the batch.
+    """The closest hit of each ray. Arrays have the shape of the batch, and are of the library of the rays and on their device."""
 
-    Attributes:
-        t: float32; the distance in units of the length of the ray's direction. `inf` for a miss.
-        uv: (..., 2) float32; the weights of the triangle's vertices 1 and 2. Vertex 0 weighs `1 - u - v`. 0 for a miss.
-        primitive: int32; the number of the triangle in its mesh. -1 for a miss.
-        geometry: int32; the number of the mesh or the instance in the scene. -1 for a miss.
-    """
-
-    __slots__ = ("_rays", "_scene", "geometry", "primitive", "t", "uv")
-
-    t: Floats
-    uv: Floats
-    primitive: Ints
-    geometry: Ints
+    __slots__ = ("__weakref__", "_rays", "_room")
 
     def __init__(self, shape: tuple[int, ...]) -> None:
-        """Room for the hits of a batch of this shape, to be filled by `Scene.closest(..., out=hits)`."""
-        self.t = np.empty(shape, np.float32)
-        self.uv = np.empty((*shape, 2), np.float32)
-        self.primitive = np.empty(shape, np.int32)
-        self.geometry = np.empty(shape, np.int32)
+        """Room on the CPU for the hits of a batch of this shape, to be filled by `Scene.closest(..., out=hits)`."""
+        self._room: Room = HostRoom(shape, _libraries.of(np.empty(0)))
 
-    def _about(self, scene: Scene, rays: Rays) -> Hits:
-        self._scene, self._rays = scene, rays
+    @classmethod
+    def _in(cls, room: Room) -> Hits:
+        hits = cls.__new__(cls)
+        hits._room = room
+        return hits
+
+    def _about(self, rays: Union[Rays, DeviceBatch]) -> Hits:
+        self._rays = rays
         return self
 
     @property
-    def hit(self) -> npt.NDArray[np.bool_]:
-        """bool; whether the ray hit anything."""
-        return self.primitive >= 0
+    def t(self) -> Any:
+        """(...) float32; the distance in units of the length of the ray's direction. `inf` for a miss."""
+        return self._room.t
 
     @property
-    def points(self) -> Floats:
+    def uv(self) -> Any:
+        """(..., 2) float32; the weights of the triangle's vertices 1 and 2. Vertex 0 weighs `1 - u - v`. 0 for a miss."""
+        return self._room.uv
+
+    @property
+    def primitive(self) -> Any:
+        """(...) int32; the number of the triangle in its mesh. -1 for a miss."""
+        return self._room.primitive
+
+    @property
+    def geometry(self) -> Any:
+        """(...) int32; the number of the mesh or the instance in the scene. -1 for a miss."""
+        return self._room.geometry
+
+    @property
+    def hit(self) -> Any:
+        """(...) bool; whether the ray hit anything."""
+        return self.geometry >= 0
+
+    @property
+    def points(self) -> Any:
         """(..., 3) float32; where the ray hit, `origin + t * direction`. NaN for a miss."""
         return _points(self._rays.start, self._rays.direction, self.t)
 
     @property
-    def normals(self) -> Floats:
-        """(..., 3) float32; the unit normal of the triangle, on the side where its vertices run counter-clockwise. 0 for a miss."""
-        return _normals(self._scene, self.primitive, self.geometry)
+    def normals(self) -> Any:
+        """(..., 3) float32; the unit normal of the triangle, on the side where its vertices run counter-clockwise. 0 for a miss. Hits on a
+        CUDA device are waited for."""
+        return surface_normals(self._rays, self._room)
 
     def __repr__(self) -> str:
-        return f"Hits(shape={self.t.shape}, hits={np.count_nonzero(self.hit)})"
+        return f"Hits(shape={tuple(self.t.shape)})"
 
 
 class AllHits:
     """Every hit of each ray. Those of ray i are the items `offsets[i]` to `offsets[i + 1]`, by `t`; where that is the same, by geometry
-    and primitive. Each triangle is hit once.
+    and primitive. Each triangle is hit once. Arrays are of the library of the rays and on their device."""
 
-    Attributes:
-        offsets: (n + 1,) int64, of the n rays in the order of their batch.
-        t: (hits,) float32, as in `Hits`.
-        uv: (hits, 2) float32, as in `Hits`.
-        primitive: (hits,) int32, as in `Hits`.
-        geometry: (hits,) int32, as in `Hits`.
-    """
+    __slots__ = ("__weakref__", "_rays", "_room", "offsets")
 
-    __slots__ = ("_rays", "_scene", "geometry", "offsets", "primitive", "t", "uv")
-
-    def __init__(self, scene: Scene, rays: Rays, found: tuple[Any, Floats, Floats, Ints, Ints]) -> None:
-        self._scene, self._rays = scene, rays
-        self.offsets: npt.NDArray[np.int64]
-        self.offsets, self.t, uv, self.primitive, self.geometry = found
-        self.uv = uv.reshape(-1, 2)
+    def __init__(self, rays: Union[Rays, DeviceBatch], offsets: Any, room: Room) -> None:
+        self._rays, self._room = rays, room
+        #: (n + 1,) int64, of the n rays in the order of their batch.
+        self.offsets = offsets
 
     @property
-    def ray(self) -> npt.NDArray[np.int64]:
-        """(hits,) int64; which ray each hit is of, in the order of the batch."""
-        return np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
+    def t(self) -> Any:
+        """(hits,) float32, as in `Hits`."""
+        return self._room.t
 
     @property
-    def points(self) -> Floats:
+    def uv(self) -> Any:
+        """(hits, 2) float32, as in `Hits`."""
+        return self._room.uv
+
+    @property
+    def primitive(self) -> Any:
+        """(hits,) int32, as in `Hits`."""
+        return self._room.primitive
+
+    @property
+    def geometry(self) -> Any:
+        """(hits,) int32, as in `Hits`."""
+        return self._room.geometry
+
+    @property
+    def ray(self) -> Any:
+        """(hits,) int64; which ray each hit is of, in the order of the batch. Hits on a CUDA device are waited for."""
+        offsets = self._rays.to_host(self.offsets)
+        return self._rays.give(np.repeat(np.arange(len(offsets) - 1), np.diff(offsets)))
+
+    @property
+    def points(self) -> Any:
         """(hits, 3) float32; where the ray hit, `origin + t * direction`."""
         ray = self.ray
         start, direction = (end.reshape(-1, 3)[ray] for end in (self._rays.start, self._rays.direction))
         return _points(start, direction, self.t)
 
     @property
-    def normals(self) -> Floats:
+    def normals(self) -> Any:
         """(hits, 3) float32, as in `Hits`."""
-        return _normals(self._scene, self.primitive, self.geometry)
+        return surface_normals(self._rays, self._room)
 
     def __len__(self) -> int:
         return len(self.t)
@@ -106,14 +210,36 @@ class AllHits:
         return f"AllHits(rays={len(self.offsets) - 1}, hits={len(self)})"
 
 
-def _points(start: Floats, direction: Floats, t: Floats) -> Floats:
+class FoundRoom:
+    """Hits that were found on the CPU, as many as there are."""
+
+    def __init__(
+        self, library: _libraries.Library, found: tuple[npt.NDArray[Any], ...]
+    ) -> None:
+        t, uv, primitive, geometry = found
+        self.t, self.uv, self.primitive, self.geometry = map(
+            library.from_host, (t, uv.reshape(-1, 2), primitive, geometry)
+        )
+
+
+def _points(start: Any, direction: Any, t: Any) -> Any:
     with np.errstate(invalid="ignore"):
-        points: Floats = start + t[..., np.newaxis] * direction
-    points[np.isinf(t)] = np.nan
-    return points
+        # NaN where t is infinite, and t elsewhere.
+        t = t + 0 * t
+        return start + t[..., None] * direction
 
 
-def _normals(scene: Scene, primitive: Ints, geometry: Ints) -> Floats:
-    normals = np.empty((*primitive.shape, 3), np.float32)
-    _raywarp.normals(scene._core, np.ravel(primitive), np.ravel(geometry), normals.reshape(-1), scene.threads)
-    return normals
+def surface_normals(asked: Asked, room: Room) -> Any:
+    """The unit normals of triangles."""
+    primitive, geometry = (np.ravel(asked.to_host(array)) for array in (room.primitive, room.geometry))
+    normals = np.empty((len(primitive), 3), np.float32)
+    _raywarp.normals(asked.scene._core, primitive, geometry, normals.reshape(-1), asked.scene.threads)
+    return asked.give(normals.reshape(*room.geometry.shape, 3))
+
+
+def surface_points(asked: Asked, room: Room) -> Any:
+    """Where points of triangles are."""
+    primitive, geometry, uv = (np.ravel(asked.to_host(array)) for array in (room.primitive, room.geometry, room.uv))
+    points = np.empty((*room.geometry.shape, 3), np.float32)
+    _raywarp.surface_points(asked.scene._core, primitive, geometry, uv, points.reshape(-1), asked.scene.threads)
+    return asked.give(points)

@@ -7,7 +7,7 @@ from typing import Any, Optional
 import numpy as np
 import numpy.typing as npt
 
-from raywarp import _arrays, _raywarp
+from raywarp import _arrays, _libraries, _raywarp
 from raywarp._arrays import Floats
 
 
@@ -30,13 +30,18 @@ class World:
         # Whether the structure on the device is of another state.
         self.changed = True
 
+    def to_host(self, array: Any) -> Any:
+        """What the CPU reads: an array on a CUDA device is copied, once it has been made."""
+        return _libraries.to_host(self.core, array) if _libraries.is_on_cuda(array) else array
+
     def add(self, place: Place, instead_of: Optional[Place] = None) -> None:
         self.places = [other for other in self.places if other is not instead_of] + [place]
         self.changed = True
 
     def tell_places(self) -> None:
         """Tells the core what stands where."""
-        self.core.place([(place.mesh, place.transforms) for place in self.places])
+        moving = any(place.transforms is not IDENTITY for place in self.places)
+        self.core.place([(place.mesh, place.transforms) for place in self.places], moving)
 
     def geometry(self, wanted: Place) -> Optional[range]:
         """The numbers of a place; None if nothing stands there."""
@@ -71,7 +76,7 @@ class Mesh:
 
     @vertices.setter
     def vertices(self, value: Any) -> None:
-        vertices = _arrays.vertices(value)
+        vertices = _arrays.vertices(self._world.to_host(value))
         if len(vertices) != len(self._vertices):
             raise ValueError(f"{len(vertices)} vertices cannot take the place of the mesh's {len(self._vertices)}")
         self._world.core.move_vertices(self._place.mesh, vertices)
@@ -109,7 +114,7 @@ class Instances:
 
     @transforms.setter
     def transforms(self, value: Any) -> None:
-        transforms = _arrays.transforms(value)
+        transforms = _arrays.transforms(self.mesh._world.to_host(value))
         if len(transforms) != len(self):
             raise ValueError(f"{len(transforms)} transforms cannot take the place of {len(self)}")
         self._place.transforms = transforms

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
+from raywarp import _libraries
 from raywarp._arrays import Floats, floats
+
+if TYPE_CHECKING:
+    from raywarp._scene import Scene
 
 # Ends that are the same for all rays, or one a ray.
 End = Union[None, float, npt.ArrayLike]
@@ -22,16 +26,35 @@ class Rays(NamedTuple):
     # t_min and t_max of rays that have none of their own.
     ends: tuple[float, float]
     shape: tuple[int, ...]
+    # Of the arrays that were given.
+    library: _libraries.Library
+    scene: Scene
+
+    def to_host(self, array: Any) -> npt.NDArray[Any]:
+        """For NumPy."""
+        return np.asarray(array)
+
+    def give(self, array: npt.NDArray[Any]) -> Any:
+        """An array of NumPy, for the library of the rays."""
+        return self.library.from_host(array)
 
     @property
-    def start(self) -> Floats:
-        """Where t is 0, (..., 3)."""
+    def start(self) -> Any:
+        """Where t is 0, (..., 3), for the library of the rays."""
+        return self.library.from_host(self._starts)
+
+    @property
+    def _starts(self) -> Floats:
         start = np.broadcast_to(self.origins[:, :3], (self.rows, 3))
         return start.reshape(*self.shape, 3)
 
     @property
-    def direction(self) -> Floats:
-        """Where each goes, (..., 3)."""
+    def direction(self) -> Any:
+        """Where each goes, (..., 3), likewise."""
+        return self.library.from_host(self._directions)
+
+    @property
+    def _directions(self) -> Floats:
         if self.directions is not None:
             direction = self.directions
         elif self.origins.shape[1] == 8:
@@ -46,9 +69,10 @@ class Rays(NamedTuple):
         return len(self.origins if self.directions is None else self.directions)
 
 
-def prepare(rays: Any, directions: Any, t_min: End, t_max: End) -> Rays:
+def prepare(scene: Scene, rays: Any, directions: Any, t_min: End, t_max: End) -> Rays:
     """The rays of a call, without a copy where they are as they are needed."""
-    batch = _whole(floats(rays, "rays")) if directions is None else _parts(rays, directions)
+    library = _libraries.of(rays)
+    batch = _whole(scene, rays, library) if directions is None else _parts(scene, rays, directions, library)
     if t_min is None and t_max is None:
         return batch
     _refuse_two_ends(batch)
@@ -59,16 +83,17 @@ def prepare(rays: Any, directions: Any, t_min: End, t_max: End) -> Rays:
     return _with_own_ends(batch, low, high)
 
 
-def _whole(rays: Floats) -> Rays:
+def _whole(scene: Scene, rays: Any, library: _libraries.Library) -> Rays:
+    rays = floats(rays, "rays")
     if rays.ndim == 0 or rays.shape[-1] not in (6, 8):
         raise ValueError(
             f"rays have the shape {rays.shape}, and the last axis has to be 6 long (origin, direction) or 8 "
             "(origin, t_min, direction, t_max); with directions apart it is 3 long"
         )
-    return Rays(rays.reshape(-1, rays.shape[-1]), None, (0.0, np.inf), rays.shape[:-1])
+    return Rays(rays.reshape(-1, rays.shape[-1]), None, (0.0, np.inf), rays.shape[:-1], library, scene)
 
 
-def _parts(origins: Any, directions: Any) -> Rays:
+def _parts(scene: Scene, origins: Any, directions: Any, library: _libraries.Library) -> Rays:
     origins, directions = floats(origins, "origins"), floats(directions, "directions")
     for what, given in (("origins", origins), ("directions", directions)):
         if given.ndim == 0 or given.shape[-1] != 3:
@@ -83,7 +108,7 @@ def _parts(origins: Any, directions: Any) -> Rays:
     # One origin for all is not repeated.
     if origins.size != 3:
         origins = np.ascontiguousarray(np.broadcast_to(origins, shape))
-    return Rays(origins.reshape(-1, 3), directions.reshape(-1, 3), (0.0, np.inf), shape[:-1])
+    return Rays(origins.reshape(-1, 3), directions.reshape(-1, 3), (0.0, np.inf), shape[:-1], library, scene)
 
 
 def _refuse_two_ends(batch: Rays) -> None:
@@ -94,8 +119,8 @@ def _refuse_two_ends(batch: Rays) -> None:
 def _with_own_ends(batch: Rays, t_min: Floats, t_max: Floats) -> Rays:
     """The same where each ray has its own ends."""
     rows = np.empty((*batch.shape, 8), np.float32)
-    rows[..., :3] = batch.start
-    rows[..., 4:7] = batch.direction
+    rows[..., :3] = batch._starts
+    rows[..., 4:7] = batch._directions
     for column, ends, what in ((3, t_min, "t_min"), (7, t_max, "t_max")):
         try:
             rows[..., column] = ends

@@ -7,11 +7,11 @@ import warnings
 from typing import Any, Optional, Union
 
 import numpy as np
-import numpy.typing as npt
 
-from raywarp import _arrays, _raywarp, _rays
-from raywarp._arrays import Ints
-from raywarp._hits import AllHits, Hits
+from raywarp import _arrays, _device, _libraries, _nearest, _raywarp, _rays
+from raywarp._device import DeviceBatch
+from raywarp._hits import AllHits, FoundRoom, Hits, HostRoom
+from raywarp._nearest import Nearest
 from raywarp._placed import Instances, Mesh, World
 from raywarp._rays import End
 
@@ -38,6 +38,7 @@ class Scene:
     def __init__(self, device: str = "auto", *, build: str = "medium", threads: Optional[int] = None) -> None:
         self._core = _raywarp.Scene(device, build)
         self._world = World(self._core)
+        self._on_cuda = self._core.device != "cpu"
         self.threads = threads
 
     @staticmethod
@@ -102,8 +103,8 @@ class Scene:
             TypeError: an array has another type.
             ValueError: an array has another shape, or a face names a vertex that is not there.
         """
-        positions = _arrays.vertices(vertices)
-        triangles = _arrays.faces(faces, len(positions))
+        positions = _arrays.vertices(self._world.to_host(vertices))
+        triangles = _arrays.faces(self._world.to_host(faces), len(positions))
         return Mesh(self._world, positions, triangles)
 
     def instances(self, mesh: Mesh, transforms: Any) -> Instances:
@@ -122,7 +123,7 @@ class Scene:
         """
         if mesh._world is not self._world:
             raise ValueError("the mesh belongs to another scene")
-        return Instances(mesh, _arrays.transforms(transforms))
+        return Instances(mesh, _arrays.transforms(self._world.to_host(transforms)))
 
     def commit(self) -> None:
         """Builds what is new or changed. A query does so itself where need be; this says when.
@@ -144,60 +145,79 @@ class Scene:
         t_min: End = None,
         t_max: End = None,
         out: Optional[Hits] = None,
+        coherent: bool = False,
+        stream: Any = None,
     ) -> Hits:
         """The closest hit of each ray; of several at the same distance that of the smallest geometry and primitive.
 
+        Rays on a CUDA device are asked where they lie, on the stream that their library works on, and answered there by arrays of
+        the same library. The call enqueues and does not wait. With `out` it allocates nothing if rays have 8 numbers, and a CUDA graph
+        may capture it, as it may with libraries whose allocations can be captured (torch).
+
         Args:
             rays: (..., 6) origin and direction, or (..., 8) origin, t_min, direction, t_max; or (..., 3) origins. Real numbers,
-                rounded to float32.
-            directions: (..., 3), where `rays` are origins; the shapes broadcast, so one origin does for all.
+                rounded to float32; on a CUDA device float32.
+            directions: (..., 3), where `rays` are origins; the shapes broadcast, so one origin does for all. On a CUDA device there
+                are as many, or one origin.
             t_min, t_max: ends of the rays, in units of the direction's length; a number or one a ray, 0 and infinity if None.
-                Both belong to the ray.
+                Both belong to the ray. On a CUDA device a number.
             out: hits of a batch of the same shape, to be written over.
+            coherent: whether most neighbours among rays on a CUDA device go the same way, as those of a camera do. Changes only
+                the speed.
+            stream: the CUDA stream for rays on a device: a handle, or a stream of a library. The one that the library of the rays
+                works on if None.
 
         Returns:
             The hits, in the shape of the batch; `out` if that was given.
 
         Raises:
             TypeError: an array has another type.
-            ValueError: an array has another shape.
+            ValueError: an array has another shape, or is on another device than the scene.
             DeviceError, MemoryError: the device fails, or has no room.
         """
-        batch = _rays.prepare(rays, directions, t_min, t_max)
-        hits = Hits(batch.shape) if out is None else out
-        if hits.t.shape != batch.shape:
-            raise ValueError(f"out has room for a batch of the shape {hits.t.shape}, and the rays have {batch.shape}")
         self._commit_changes()
-        _raywarp.closest(
-            self._core,
-            *batch[:3],
-            hits.t.reshape(-1),
-            hits.uv.reshape(-1),
-            hits.primitive.reshape(-1),
-            hits.geometry.reshape(-1),
-            self.threads,
-        )
-        return hits._about(self, batch)
+        if _libraries.is_on_cuda(rays):
+            return _device.closest(DeviceBatch(self, rays, directions, t_min, t_max, stream), out, coherent)
+        batch = _rays.prepare(self, rays, directions, t_min, t_max)
+        hits = Hits._in(HostRoom(batch.shape, batch.library)) if out is None else out
+        room = hits._room
+        if not isinstance(room, HostRoom) or room.shape != batch.shape:
+            raise ValueError(f"out has room for a batch of the shape {tuple(hits.t.shape)}, and the rays have {batch.shape}")
+        t, uv, primitive, geometry = (array.reshape(-1) for array in room.arrays)
+        _raywarp.closest(self._core, *batch[:3], t, uv, primitive, geometry, self.threads)
+        return hits._about(batch)
 
     def any(
-        self, rays: Any, directions: Any = None, *, t_min: End = None, t_max: End = None
-    ) -> npt.NDArray[np.bool_]:
+        self,
+        rays: Any,
+        directions: Any = None,
+        *,
+        t_min: End = None,
+        t_max: End = None,
+        out: Any = None,
+        coherent: bool = False,
+        stream: Any = None,
+    ) -> Any:
         """Whether anything stands between the ends of each ray.
 
         Args:
-            rays, directions, t_min, t_max: as for `closest`.
+            rays, directions, t_min, t_max, coherent, stream: as for `closest`.
+            out: an int32 array of the shape of the batch on a CUDA device, to be filled with 0 and 1.
 
         Returns:
-            bool, in the shape of the batch.
+            bool, in the shape of the batch, of the library of the rays and on their device; `out` if that was given.
 
         Raises:
             As `closest`.
         """
-        batch = _rays.prepare(rays, directions, t_min, t_max)
-        blocked = np.empty(batch.shape, np.bool_)
         self._commit_changes()
+        if _libraries.is_on_cuda(rays):
+            return _device.any(DeviceBatch(self, rays, directions, t_min, t_max, stream), out, coherent)
+        _refuse_out(out)
+        batch = _rays.prepare(self, rays, directions, t_min, t_max)
+        blocked = np.empty(batch.shape, np.bool_)
         _raywarp.any(self._core, *batch[:3], blocked.reshape(-1), self.threads)
-        return blocked
+        return batch.library.from_host(blocked)
 
     def count(
         self,
@@ -207,24 +227,31 @@ class Scene:
         t_min: End = None,
         t_max: End = None,
         max_hits: Optional[int] = None,
-    ) -> Ints:
+        out: Any = None,
+        stream: Any = None,
+    ) -> Any:
         """How many triangles each ray hits, each counted once.
 
         Args:
-            rays, directions, t_min, t_max: as for `closest`.
+            rays, directions, t_min, t_max, stream: as for `closest`.
             max_hits: where counting ends.
+            out: an int32 array of the shape of the batch on a CUDA device, to be filled.
 
         Returns:
-            int32, in the shape of the batch.
+            int32, in the shape of the batch, of the library of the rays and on their device; `out` if that was given.
 
         Raises:
             As `closest`.
         """
-        batch = _rays.prepare(rays, directions, t_min, t_max)
-        counts = np.empty(batch.shape, np.int32)
         self._commit_changes()
-        _raywarp.count(self._core, *batch[:3], _limit(max_hits), counts.reshape(-1), self.threads)
-        return counts
+        if _libraries.is_on_cuda(rays):
+            batch = DeviceBatch(self, rays, directions, t_min, t_max, stream)
+            return _device.count(batch, _limit(max_hits), out)
+        _refuse_out(out)
+        host = _rays.prepare(self, rays, directions, t_min, t_max)
+        counts = np.empty(host.shape, np.int32)
+        _raywarp.count(self._core, *host[:3], _limit(max_hits), counts.reshape(-1), self.threads)
+        return host.library.from_host(counts)
 
     def all(
         self,
@@ -234,11 +261,14 @@ class Scene:
         t_min: End = None,
         t_max: End = None,
         max_hits: Optional[int] = None,
+        stream: Any = None,
     ) -> AllHits:
         """Every hit of each ray, in order, each triangle once.
 
+        Rays on a CUDA device are counted first, which is waited for: how much room the hits need is not known before.
+
         Args:
-            rays, directions, t_min, t_max: as for `closest`.
+            rays, directions, t_min, t_max, stream: as for `closest`.
             max_hits: how many of each ray are kept, the first ones.
 
         Returns:
@@ -247,10 +277,68 @@ class Scene:
         Raises:
             As `closest`.
         """
-        batch = _rays.prepare(rays, directions, t_min, t_max)
         self._commit_changes()
-        found = _raywarp.all(self._core, *batch[:3], _limit(max_hits), self.threads)
-        return AllHits(self, batch, found)
+        if _libraries.is_on_cuda(rays):
+            return _device.all(DeviceBatch(self, rays, directions, t_min, t_max, stream), _limit(max_hits))
+        batch = _rays.prepare(self, rays, directions, t_min, t_max)
+        offsets, *found = _raywarp.all(self._core, *batch[:3], _limit(max_hits), self.threads)
+        give = batch.library.from_host
+        return AllHits(batch, give(offsets), FoundRoom(batch.library, tuple(found)))
+
+    def nearest(self, points: Any, *, max_distance: float = np.inf, stream: Any = None) -> Nearest:
+        """The closest point of the scene's triangles to each of these; of several at the same distance that of the smallest geometry and
+        primitive.
+
+        The first call builds a tree for it. Points on a CUDA device are asked there, as by `closest`.
+
+        Args:
+            points: (..., 3) real numbers, rounded to float32; on a CUDA device float32.
+            max_distance: what is farther is not found.
+            stream: as for `closest`.
+
+        Returns:
+            The closest points.
+
+        Raises:
+            As `closest`.
+        """
+        self._commit_changes()
+        return Nearest(_nearest.asked(self, points, stream), max_distance)
+
+    def signed_distance(self, points: Any, *, rays: int = 3, stream: Any = None) -> Any:
+        """How far each point is from the scene, negative inside of it.
+
+        Inside is where a ray hits an odd number of triangles, so meshes are to be closed, and not to overlap. Several rays vote, as one
+        may run along a seam of a mesh that is not quite closed.
+
+        Args:
+            points: (..., 3), as for `nearest`.
+            rays: how many vote; odd.
+            stream: as for `closest`.
+
+        Returns:
+            float32, in the shape of the batch, of the library of the points and on their device.
+
+        Raises:
+            As `closest`.
+        """
+        self._commit_changes()
+        return _nearest.signed_distance(_nearest.asked(self, points, stream), rays)
+
+    def occupancy(self, points: Any, *, rays: int = 3, stream: Any = None) -> Any:
+        """Whether each point is inside of the scene, as `signed_distance` says.
+
+        Args:
+            points, rays, stream: as for `signed_distance`.
+
+        Returns:
+            bool, in the shape of the batch, of the library of the points and on their device.
+
+        Raises:
+            As `closest`.
+        """
+        self._commit_changes()
+        return _nearest.occupancy(_nearest.asked(self, points, stream), rays)
 
     def __repr__(self) -> str:
         return f"Scene({self._core.description}, {len(self.names)} geometries)"
@@ -258,6 +346,11 @@ class Scene:
     def _commit_changes(self) -> None:
         if self._world.changed:
             self.commit()
+
+
+def _refuse_out(out: Any) -> None:
+    if out is not None:
+        raise ValueError("out is for rays on a CUDA device, and these are on the CPU")
 
 
 def _limit(max_hits: Optional[int]) -> Optional[int]:

@@ -8,9 +8,11 @@
 //! and its peers are measured with.
 
 mod batch;
+mod closest_point;
 mod coherence;
 mod cost;
 pub mod device;
+pub mod enqueue;
 mod error;
 pub mod files;
 mod geometry;
@@ -31,6 +33,7 @@ use crate::scene::Scene;
 use crate::{Hit, Ray, Triangle};
 
 pub use batch::{Batch, Progress};
+pub use closest_point::ClosestPoints;
 pub use coherence::Coherence;
 pub use cost::{sampled, tests, Cost};
 pub use error::QueryError;
