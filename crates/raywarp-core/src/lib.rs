@@ -16,12 +16,14 @@
 
 pub mod arch;
 pub mod background;
+pub mod bsdf;
 pub mod camera;
 pub mod display;
 pub mod false_color;
 pub mod film;
 pub mod kernels;
 pub mod light;
+pub mod lights;
 pub mod material;
 pub mod math;
 mod name;
@@ -31,6 +33,7 @@ pub mod queue;
 pub mod ray;
 pub mod refit;
 pub mod sample;
+pub mod sampling;
 pub mod screen;
 pub mod shade;
 pub mod stack;
@@ -40,3 +43,4 @@ pub mod traversal;
 pub mod triangle;
 pub mod view;
 pub mod warp_counter;
+pub mod wavefront;

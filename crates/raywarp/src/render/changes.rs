@@ -8,7 +8,7 @@ use raywarp_device::kernels::Views;
 
 use super::flatten::{self, Flat};
 use super::lighting::Lighting;
-use super::{RenderError, Structure, Tracer};
+use super::{materials, RenderError, Structure, Tracer};
 use crate::accel::{drop_degenerate, ResidentBvh2, TreeBox};
 use crate::device::{Buffer, Device};
 use crate::scene::{Image, Instance, Material, Scene};
@@ -61,6 +61,7 @@ impl Tracer {
     /// own now, or the other way round. Materials reflect these by colours of their own, so they must be set again.
     pub fn set_lights(&mut self, scene: &Scene) -> bool {
         let before = std::mem::replace(&mut self.lighting, Lighting::of(scene));
+        self.path.forget();
         before.whose_ambient == self.lighting.whose_ambient
     }
 
@@ -73,7 +74,9 @@ impl Tracer {
         if materials.len() != self.flags.len() {
             return Err(RenderError::Scene { mesh: "the changed scene".to_owned(), part: "the number of materials" });
         }
-        self.scene.set_materials(&self.device, materials, images, self.lighting.whose_ambient)?;
+        let surfaces = materials::ready(materials, images, self.lighting.whose_ambient);
+        self.scene.set_materials(&self.device, &surfaces)?;
+        self.path.set_surfaces(&surfaces);
         let flags: Vec<u32> = materials.iter().map(flatten::flags_of).collect();
         if flags == self.flags {
             return Ok(true);
@@ -108,6 +111,7 @@ impl Tracer {
         let placed = &mut self.instances[index];
         placed.flags = surface::IN_WORLD | flatten::handedness(instance);
         self.scene.set_instance(index, *placed)?;
+        self.path.forget();
         // Rounding errors are bounded by the farthest box: a bound too large is safe.
         let far = |v: &Vec3| [v.x, v.y, v.z].map(|x| (x.abs() * (1.0 + 1e-6)).next_up());
         let reach = tree.reach.to_array();
@@ -150,6 +154,7 @@ impl Tracer {
             *placed = flatten::placed(&instances[index], placed.first_primitive);
         }
         self.scene.set_instances(&self.instances)?;
+        self.path.forget();
         Ok(true)
     }
 

@@ -62,7 +62,7 @@ pub fn framing([low, high]: [[f32; 3]; 2]) -> Camera {
 
 /// The turn that brings +Y to another upward direction and keeps +X where it can: with +Z up the front is at -Y, as
 /// programs with +Z up have it.
-pub(super) fn turn_to(up: [f32; 3]) -> DMat3 {
+pub(crate) fn turn_to(up: [f32; 3]) -> DMat3 {
     let up = Vec3::from(up).as_dvec3().normalize_or(DVec3::Y);
     let right = if up.x.abs() < 0.99 { DVec3::X } else { DVec3::Y };
     let right = (right - up * right.dot(up)).normalize();

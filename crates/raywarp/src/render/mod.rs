@@ -14,8 +14,10 @@ mod framing;
 mod levels;
 mod lighting;
 mod materials;
+mod metallic_roughness;
 mod options;
 mod passes;
+mod path;
 mod resident;
 mod structure;
 
@@ -28,10 +30,10 @@ use raywarp_core::shade::whitted::Limits;
 use raywarp_core::surface;
 use raywarp_core::traversal::Tests;
 use raywarp_core::view::ViewMut;
-use raywarp_device::kernels::Views;
+use raywarp_device::kernels::{Timed, Views};
 
 use crate::accel::{Build, Dropped, TreeStats};
-use crate::device::{Buffer, Device};
+use crate::device::{Buffer, Device, DeviceError};
 use crate::image::Picture;
 use crate::scene::{Camera, Scene, Viewpoint};
 use arrange::Arranged;
@@ -39,8 +41,9 @@ use band_queue::BandQueue;
 use bands::Bands;
 use changes::NodesByDepth;
 pub(crate) use flatten::Flat;
-use lighting::Lighting;
+use lighting::{Ambient, Lighting};
 use options::Window;
+use path::PathSource;
 use resident::ResidentScene;
 
 pub use camera::{axes, ray};
@@ -52,7 +55,7 @@ pub(crate) use flatten::{check_instance, check_mesh, flags_of};
 pub use framing::{chosen_camera, framing};
 pub use levels::{two_level, Levels};
 pub use lighting::{ambient, sky};
-pub use options::{RenderOptions, MAX_DEPTH, MAX_SIDE, MAX_SPP};
+pub use options::{Integrator, RenderOptions, MAX_DEPTH, MAX_SIDE, MAX_SPP};
 #[doc(hidden)]
 pub use passes::Pass;
 pub(crate) use passes::{upload, upload_instances};
@@ -74,6 +77,8 @@ pub struct Tracer {
     flags: Vec<u32>,
     /// Of the structure, once something has moved.
     levels: Option<NodesByDepth>,
+    /// For path tracing.
+    path: PathSource,
 }
 
 /// The scene's first camera, or one that frames all of it from the front, right and above in a picture of the size that the
@@ -173,13 +178,15 @@ impl Tracer {
         device.reserve(estimate, "the scene")?;
 
         let start = Instant::now();
-        let resident = ResidentScene::upload(device, &flat, scene)?;
+        let surfaces = materials::ready(&scene.materials, &scene.images, Ambient::of(scene));
+        let resident = ResidentScene::upload(device, &flat, scene, &surfaces)?;
+        let path = PathSource::new(scene, &surfaces, bounds);
         let structure = tree.upload(device)?;
         let upload_seconds = start.elapsed().as_secs_f64();
 
         let lighting = Lighting::of(scene);
         let camera = default_camera(scene);
-        let mut notes = lighting.notes.clone();
+        let mut notes = Vec::new();
         if scene.cameras.is_empty() {
             notes.push("no camera in the scene: it is framed".to_owned());
         }
@@ -207,12 +214,18 @@ impl Tracer {
             vertices: flat.vertices,
             flags: scene.materials.iter().map(flags_of).collect(),
             levels: None,
+            path,
         })
     }
 
     /// What became of the scene.
     pub fn report(&self) -> &Report {
         &self.report
+    }
+
+    /// What an integrator adds to the lights by its own choice or leaves out, each a sentence without the full stop.
+    pub fn notes_of(&self, integrator: Integrator) -> Vec<String> {
+        self.lighting.notes(integrator)
     }
 
     /// Where it traces.
@@ -268,9 +281,17 @@ impl Tracer {
                 tests: tests.view_mut(),
                 ticks: ViewMut::EMPTY,
             };
-            queue.push(band, passes::shade(&self.device, &*self.structure.resident, &pass)?);
+            queue.push(band, self.take_samples(options.integrator, &pass)?);
         }
         finish(options, film, tests, queue.kernel_seconds, queue.launches, window)
+    }
+
+    /// Adds the samples of a pass to the film: enqueued, not waited for.
+    fn take_samples(&self, integrator: Integrator, pass: &passes::Pass) -> Result<Timed, DeviceError> {
+        match integrator {
+            Integrator::Whitted => passes::shade(&self.device, &*self.structure.resident, pass),
+            Integrator::Path => self.trace_paths(pass),
+        }
     }
 
     /// What the ray through the centre of each pixel meets first, row by row.
