@@ -44,6 +44,7 @@ impl DeviceScene {
     pub fn set_lights(&mut self, scene: &Scene) -> bool {
         let Some(appearance) = &mut self.appearance else { return true };
         let before = std::mem::replace(&mut appearance.lighting, Lighting::of(scene));
+        appearance.path.forget();
         before.whose_ambient == appearance.lighting.whose_ambient
     }
 
@@ -57,7 +58,9 @@ impl DeviceScene {
         if materials.len() != appearance.flags.len() {
             return Err(SceneError::Part { mesh: "the changed scene".to_owned(), part: "the number of materials" });
         }
-        appearance.resident.set_materials(&self.device, materials, images, appearance.lighting.whose_ambient)?;
+        let surfaces = super::materials::ready(materials, images, appearance.lighting.whose_ambient);
+        appearance.resident.set_materials(&self.device, &surfaces)?;
+        appearance.path.set_surfaces(&surfaces);
         let flags: Vec<u32> = materials.iter().map(flatten::flags_of).collect();
         if flags == appearance.flags {
             return Ok(true);
@@ -116,6 +119,7 @@ impl DeviceScene {
             flatten::set_transform(&mut appearance.instances[index], transform);
         }
         appearance.resident.set_instances(&appearance.instances)?;
+        appearance.path.forget();
         Ok(true)
     }
 }
@@ -143,6 +147,7 @@ fn move_in_world(
     let placed = &mut appearance.instances[index];
     placed.flags = surface::IN_WORLD | flatten::handedness(&instance.transform);
     appearance.resident.set_instance(index, *placed)?;
+    appearance.path.forget();
     // Rounding errors are bounded by the farthest box: a bound too large is safe.
     let far = |v: &Vec3| [v.x, v.y, v.z].map(|x| (x.abs() * (1.0 + 1e-6)).next_up());
     let reach = tree.reach.to_array();
