@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::io;
 
-use raywarp::accel::Unhittable;
+use raywarp::accel::{BuildError, Unhittable};
 use raywarp::device::DeviceError;
 use raywarp::device_scene::SceneError;
 use raywarp::image::ImageError;
@@ -93,6 +93,22 @@ impl Advise for RenderError {
             error.exit()
         } else {
             Exit::Usage
+        }
+    }
+}
+
+impl Advise for BuildError {
+    fn advice(&self) -> Option<String> {
+        match self {
+            Self::Device(error) => error.advice(),
+            _ => None,
+        }
+    }
+
+    fn exit(&self) -> Exit {
+        match self {
+            Self::Device(error) => error.exit(),
+            _ => Exit::Usage,
         }
     }
 }
@@ -218,7 +234,6 @@ macro_rules! without_advice {
 }
 
 without_advice!(
-    raywarp::accel::BuildError,
     raywarp::accel::UnknownKind,
     raywarp::query::files::RayFileError,
     raywarp_viewer::serve::StripeError,
@@ -240,6 +255,8 @@ mod tests {
             Failure::from(device()),
             RenderError::from(device()).into(),
             SceneError::from(device()).into(),
+            SceneError::from(BuildError::from(device())).into(),
+            BuildError::from(device()).into(),
             QueryError::from(device()).into(),
             ViewerError::from(device()).into(),
             ServeError::from(ViewerError::from(RenderError::from(device()))).into(),

@@ -120,16 +120,23 @@ impl fmt::Display for Backdrop {
 
 /// A colour, or `none`.
 pub fn backdrop(text: &str) -> Result<Backdrop, String> {
-    let form = "give none, black, white, an sRGB colour such as #336699, or a linear one such as 0.2,0.4,0.6";
+    if text.eq_ignore_ascii_case("none") {
+        return Ok(Backdrop::None);
+    }
+    color(text).map(Backdrop::Color).map_err(|form| form.replacen("give ", "give none, ", 1))
+}
+
+/// A linear colour, by its name, as sRGB, or by its components.
+pub fn color(text: &str) -> Result<[f32; 3], String> {
+    let form = "give black, white, an sRGB colour such as #336699, or a linear one such as 0.2,0.4,0.6";
     let color = match text.to_ascii_lowercase().as_str() {
-        "none" => return Ok(Backdrop::None),
         "black" => Some([0.0; 3]),
         "white" => Some([1.0; 3]),
         _ if text.starts_with('#') => srgb(text),
         _ => numbers::<f32, 3>(text).or_else(|| numbers::<f32, 1>(text).map(|[grey]| [grey; 3])),
     };
     let color = color.filter(|color| Kind::Color.takes(Value::Triple(*color)));
-    color.map(Backdrop::Color).ok_or_else(|| form.to_owned())
+    color.ok_or_else(|| form.to_owned())
 }
 
 /// Height of a picture by parallel rays.
@@ -287,6 +294,7 @@ mod tests {
         for text in ["", "#fff", "#12345g", "-1", "nan", "1,2", "sky"] {
             assert!(backdrop(text).is_err(), "{text}");
         }
+        assert!(color("none").is_err() && color("white") == Ok([1.0; 3]), "a colour alone");
         let color = backdrop("#336699").unwrap();
         assert_eq!(backdrop(&color.to_string()), Ok(color));
     }

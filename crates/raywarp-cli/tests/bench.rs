@@ -69,6 +69,21 @@ fn results_are_a_table_too() {
 }
 
 #[test]
+fn trees_are_timed_by_quality() {
+    let place = place();
+    let results = json(place.run(&["bench", "--trees", "scene.toml", "--tree=fast,medium", "--repeats=2", "--json"]));
+    let rows = rows(&results, "rows");
+    for (row, (tree, from_device)) in rows.iter().zip([("fast", true), ("medium", false)]) {
+        assert_eq!((&row["tree"], &row["from_device"]), (&tree.into(), &from_device.into()));
+        assert_eq!((&row["scene"], &row["triangles"], &row["stats"]["nodes"]), (&"scene".into(), &1.into(), &1.into()));
+        assert!(row["mtriangles_per_s"].as_f64() > Some(0.0) && row["first_ms"].as_f64() > Some(0.0), "{row}");
+    }
+    assert_eq!(rows.len(), 2);
+    let table = place.run(&["bench", "--trees", "scene.toml", "--tree=fast"]).succeeds().out();
+    assert!(table.contains("| scene | 1 | fast | "), "{table}");
+}
+
+#[test]
 fn the_built_in_scene_is_there_without_a_file() {
     let results = json(bench(&Place::new(), &["--rays=primary", "--json"]));
     let row = &rows(&results, "rows")[0];
@@ -107,6 +122,7 @@ fn options_that_do_not_go_together_are_refused() {
         (&["scene.toml", "empty.toml", "--name=both"] as &[&str], "are for one scene, and there are 2"),
         (&["scene.toml", "empty.toml", "--fov=30"], "are for one scene"),
         (&["scene.toml", "--frames", "--rays=ao"], "cannot be used with"),
+        (&["scene.toml", "--trees", "--rays=ao"], "cannot be used with"),
         (&["scene.toml", "--suite=suite.toml"], "cannot be used with"),
         (&["scene.toml", "--python=python3"], "--peers"),
         (&["empty.toml"], "the scene 'empty' has no triangle"),

@@ -231,6 +231,14 @@ fn no_picture_has_holes_whatever_its_size_and_however_it_came_to_be() {
 }
 
 #[test]
+fn a_background_takes_the_place_of_the_scenes_own() {
+    let green = LiveSceneOptions { background: Some([0.0, 1.0, 0.0]), ..LiveSceneOptions::default() };
+    let corner = |options| Session::new(options).settle().pop().unwrap().rgba[..4].to_vec();
+    assert_eq!(corner(green), [0, 255, 0, 255]);
+    assert_ne!(corner(LiveSceneOptions::default()), [0, 255, 0, 255]);
+}
+
+#[test]
 fn any_size_can_be_asked_for() {
     let mut session = Session::new(LiveSceneOptions::default());
     session.settle();

@@ -8,6 +8,7 @@ mod conformance;
 mod counts;
 mod examples;
 mod films;
+mod hploc;
 mod queries;
 mod recount;
 mod save;

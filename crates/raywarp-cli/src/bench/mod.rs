@@ -1,8 +1,8 @@
 //! `raywarp bench`: how many rays a second, by kind of ray, structure and tree, beside other ray tracers.
 //!
 //! `suite` says which scenes, `contest` makes the rays of each and has every structure and every `peers` answer
-//! them, `results` is what came of it and `table` how people read it. `frames` times whole pictures instead, and
-//! `live` the viewer.
+//! them, `results` is what came of it and `table` how people read it. `frames` times whole pictures instead, `trees` the
+//! building of trees, and `live` the viewer.
 
 use crate::failure::Result;
 
@@ -19,6 +19,7 @@ mod spread;
 mod structures;
 mod suite;
 mod table;
+mod trees;
 
 pub use machine::among;
 pub use options::BenchOptions;
@@ -36,6 +37,8 @@ pub fn run_with(options: &BenchOptions, structures: &dyn Structures) -> Result<(
     options.layout.iter().try_for_each(|name| structures.is_hierarchy(name).map(drop))?;
     if options.frames {
         frames::run(options, structures)
+    } else if options.trees {
+        trees::run(options, structures)
     } else if options.live {
         live::run(options)
     } else {

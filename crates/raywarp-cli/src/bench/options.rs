@@ -19,6 +19,7 @@ Examples:
   raywarp bench model.ply --device cpu --peers            beside Embree and Warp, one thread each
   raywarp bench --suite docs/bench/suite.toml --models DIR --json
   raywarp bench --frames                                  whole pictures, by every structure
+  raywarp bench --trees model.glb --tree fast,medium      how soon a tree is there
   raywarp bench --live model.glb --size 1920x1080         the viewer, while somebody turns the scene
 
 docs/bench/README.md says what the rays and the columns are.";
@@ -41,6 +42,13 @@ pub struct BenchOptions {
     ])]
     #[arg(help_heading = "What to measure")]
     pub frames: bool,
+    /// Time the building of trees instead of rays, of each quality that --tree names: fast ones by the device, from
+    /// triangles that it has, others by the host, once, with the copy to the device
+    #[arg(long, conflicts_with_all = [
+        "frames", "live", "rays", "layout", "min_rays", "eye", "target", "up", "fov", "size", "counts", "peers",
+    ])]
+    #[arg(help_heading = "What to measure")]
+    pub trees: bool,
     /// Time the viewer instead of rays, without a window, while a drag turns the camera: at full size as fast as it can
     /// ('full'), and with the size that 60 frames a second allow ('held'); and what encoding for a browser takes
     #[arg(long, conflicts_with_all = ["frames", "rays", "repeats", "min_rays", "counts", "peers"])]

@@ -17,6 +17,9 @@ pub struct LiveOptions {
     pub spp: Option<u32>,
     #[command(flatten)]
     pub light: LightSettings,
+    /// What rays see that leave the scene: black, white, #rrggbb, or r,g,b (linear)
+    #[arg(long, value_name = "COLOUR", value_parser = values::color, help_heading = "Picture")]
+    pub background: Option<[f32; 3]>,
     #[command(flatten)]
     pub camera: CameraOptions,
     #[command(flatten)]
@@ -30,6 +33,7 @@ impl LiveOptions {
         LiveSceneOptions {
             overrides: own.or(&self.light.values).or(&self.machine.structure.values),
             viewpoint: self.camera.viewpoint(),
+            background: self.background,
             cached: !self.machine.no_cache,
             ..LiveSceneOptions::default()
         }

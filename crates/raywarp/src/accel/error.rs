@@ -46,6 +46,14 @@ pub enum BuildError {
         /// What cannot trace it.
         device: String,
     },
+    /// A builder that was made for fewer.
+    #[error("{has} triangles do not fit in the memory of a builder of trees for {capacity}")]
+    Capacity {
+        /// Triangles given.
+        has: usize,
+        /// Most that it was made for.
+        capacity: u32,
+    },
     /// The device that builds fails, or has no room.
     #[error(transparent)]
     Device(#[from] DeviceError),

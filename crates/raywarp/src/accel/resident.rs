@@ -170,9 +170,9 @@ unsafe impl Rendered for ResidentBvh2 {
 
 /// Both kinds of nodes over the same triangles.
 pub struct ResidentDual {
-    full: ResidentBvh2,
-    small: Buffer<bvh2_quantized::Node>,
-    grid: bvh2_quantized::Grid,
+    pub(super) full: ResidentBvh2,
+    pub(super) small: Buffer<bvh2_quantized::Node>,
+    pub(super) grid: bvh2_quantized::Grid,
 }
 
 impl ResidentDual {

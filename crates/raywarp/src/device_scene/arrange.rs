@@ -2,12 +2,13 @@
 
 use std::time::Instant;
 
+use super::fast::Counts;
 use super::flatten::{self, Flat};
 use super::levels::plan;
 use super::structure::{Built, Structure};
 use super::{Levels, Report, SceneError};
 use crate::accel::two_level::Plan;
-use crate::accel::{drop_degenerate, Build, Dropped};
+use crate::accel::Build;
 use crate::device::Device;
 use crate::scene::Scene;
 use crate::Triangle;
@@ -31,7 +32,7 @@ impl Arranged {
         }
         let mut flat = Flat::of(scene)?;
         let triangles = std::mem::take(&mut flat.triangles);
-        Ok(Self::of_triangles(drop_degenerate(triangles), what, device)?.shading(flat, start))
+        Ok(Self::of_triangles(triangles, what, device)?.shading(flat, start))
     }
 
     /// For queries.
@@ -39,18 +40,13 @@ impl Arranged {
         if levels.are_two(scene) {
             return Self::of_instances(scene, plan(scene, &scene.instances, &scene.materials)?, what);
         }
-        Self::of_triangles(drop_degenerate(Flat::of(scene)?.triangles), what, device)
+        Self::of_triangles(Flat::of(scene)?.triangles, what, device)
     }
 
     /// In the structure that is asked for.
-    pub fn of_triangles(
-        (triangles, dropped): (Vec<Triangle>, Dropped),
-        what: Build,
-        device: &Device,
-    ) -> Result<Self, SceneError> {
-        let (count, bounds) = (triangles.len(), flatten::bounds(&triangles));
-        let tree = Structure::arrange(device, what, triangles)?;
-        let report = Report { triangles: count, dropped, bounds, ..tree.report() };
+    pub fn of_triangles(triangles: Vec<Triangle>, what: Build, device: &Device) -> Result<Self, SceneError> {
+        let (tree, Counts { triangles, dropped, bounds }) = Structure::arrange(device, what, triangles)?;
+        let report = Report { triangles, dropped, bounds, ..tree.report() };
         Ok(Self { flat: Flat::default(), tree, report })
     }
 

@@ -26,8 +26,17 @@ pub enum SceneError {
     GeometryAlone,
     /// The structure cannot hold it.
     #[error(transparent)]
-    Build(#[from] BuildError),
+    Build(BuildError),
     /// The device fails.
     #[error(transparent)]
     Device(#[from] DeviceError),
+}
+
+impl From<BuildError> for SceneError {
+    fn from(error: BuildError) -> Self {
+        match error {
+            BuildError::Device(error) => Self::Device(error),
+            error => Self::Build(error),
+        }
+    }
 }

@@ -24,6 +24,7 @@
 mod arrange;
 mod changes;
 mod error;
+mod fast;
 pub(crate) mod flatten;
 mod levels;
 mod lighting;
@@ -39,7 +40,7 @@ use std::time::Instant;
 use raywarp_core::light::Light;
 use raywarp_core::surface;
 
-use crate::accel::{drop_degenerate, Build};
+use crate::accel::Build;
 use crate::device::{Buffer, Device};
 use crate::render::default_camera;
 use crate::scene::{Camera, Scene};
@@ -117,12 +118,12 @@ impl DeviceScene {
         Self::arranged(Arranged::geometry(scene, levels, what.into(), device)?, None, device)
     }
 
-    /// The same over triangles that can be hit. Hits say the primitive and the instance that the triangles have.
+    /// The same over those of the triangles that can be hit. Hits say the primitive and the instance that the triangles have.
     ///
     /// # Errors
     /// [`SceneError`] for too many triangles for the structure or for the device's memory.
     pub fn of_triangles(triangles: Vec<Triangle>, what: impl Into<Build>, device: &Device) -> Result<Self, SceneError> {
-        Self::arranged(Arranged::of_triangles(drop_degenerate(triangles), what.into(), device)?, None, device)
+        Self::arranged(Arranged::of_triangles(triangles, what.into(), device)?, None, device)
     }
 
     /// The same of a structure that is on the device already.
@@ -134,8 +135,9 @@ impl DeviceScene {
 
     fn arranged(arranged: Arranged, scene: Option<&Scene>, device: &Device) -> Result<Self, SceneError> {
         let Arranged { flat, tree, mut report } = arranged;
-        report.device_bytes += scene.map_or(0, |scene| ResidentScene::bytes(&flat, scene));
-        device.reserve(report.device_bytes, "the scene")?;
+        let shading = scene.map_or(0, |scene| ResidentScene::bytes(&flat, scene));
+        report.device_bytes += shading;
+        device.reserve(tree.bytes_to_upload() + shading, "the scene")?;
         let start = Instant::now();
         let resident = scene.map(|scene| ResidentScene::upload(device, &flat, scene)).transpose()?;
         let structure = tree.upload(device)?;

@@ -7,15 +7,17 @@ use raywarp_core::screen::{AovRanges, DrawAov, ToneMapFilm};
 
 use crate::accel::two_level::{InstancedStats, Plan, TwoLevel, UpperTree};
 use crate::accel::{
-    cache, check_device, check_instances, Accel, AccelKind, Build, Quality, Rendered, ResidentBrute, ResidentBvh2,
-    ResidentBvh8f, ResidentDual, ResidentKd, ResidentKdTrees, ResidentLists, ResidentTwoLevel, TreeBox, TreeStats,
+    cache, check_device, check_instances, drop_degenerate, Accel, AccelKind, Build, Quality, Rendered, ResidentBrute,
+    ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd, ResidentKdTrees, ResidentLists, ResidentTwoLevel, TreeBox,
+    TreeStats,
 };
 use crate::device::{Device, DeviceError};
 use crate::render::passes::FrameKernels;
 use crate::scene::Transform;
 use crate::Triangle;
 
-use super::{Report, SceneError};
+use super::fast::{self, Counts};
+use super::{flatten, Report, SceneError};
 
 /// A structure on a device, for [`DeviceScene::replace`](super::DeviceScene::replace). It can be built beside a tracer at work.
 pub struct Structure {
@@ -44,8 +46,8 @@ impl Structure {
     /// # Errors
     /// [`SceneError`] where there are too many triangles for the structure or too little memory for it.
     pub fn build(device: &Device, what: impl Into<Build>, triangles: Vec<Triangle>) -> Result<Self, SceneError> {
-        let built = Self::arrange(device, what.into(), triangles)?;
-        device.reserve(built.stats.bytes as u64, "the structure")?;
+        let (built, _) = Self::arrange(device, what.into(), triangles)?;
+        device.reserve(built.bytes_to_upload(), "the structure")?;
         built.upload(device)
     }
 
@@ -163,16 +165,25 @@ impl Structure {
         Ok(self.resident.tree_boxes(level)?)
     }
 
-    /// The structure on this machine, and what there is to tell of it.
-    pub(super) fn arrange(device: &Device, what: Build, triangles: Vec<Triangle>) -> Result<Built, SceneError> {
+    /// The structure over those of the triangles that can be hit, and what there is to tell of it.
+    pub(super) fn arrange(
+        device: &Device,
+        what: Build,
+        triangles: Vec<Triangle>,
+    ) -> Result<(Built, Counts), SceneError> {
         check_device(what.kind, device)?;
+        if fast::is_meant(what) {
+            return fast::arrange(device, what, triangles);
+        }
+        let (triangles, dropped) = drop_degenerate(triangles);
+        let counts = Counts { triangles: triangles.len(), dropped, bounds: flatten::bounds(&triangles) };
         let start = Instant::now();
-        let count = triangles.len();
         let built = cache::build(what, triangles)?;
         let stats = built.accel.stats();
         let warning = built.warning.map(|warning| warning.to_string());
         let build_seconds = start.elapsed().as_secs_f64();
-        Ok(Built { tree: Tree::World(built.accel), what, stats, build_seconds, warning, triangles: count })
+        let tree = Tree::World(built.accel);
+        Ok((Built { tree, what, stats, build_seconds, warning, triangles: counts.triangles }, counts))
     }
 
     /// The same over instances.
@@ -187,7 +198,7 @@ impl Structure {
     }
 }
 
-/// A structure on this machine, and what there is to tell of it.
+/// A structure before it is all on its device, and what there is to tell of it.
 pub(super) struct Built {
     tree: Tree,
     what: Build,
@@ -198,6 +209,8 @@ pub(super) struct Built {
 }
 
 enum Tree {
+    /// On the device already, which took so many seconds to copy the triangles to.
+    OnDevice(Box<dyn FrameKernels>, f64),
     World(Accel),
     /// Over so many instances of the scene.
     Instances(TwoLevel, usize),
@@ -210,18 +223,39 @@ impl Built {
         Report { tree: self.stats, build_seconds: self.build_seconds, device_bytes, ..Report::default() }
     }
 
+    /// Of a structure that is on its device already.
+    pub fn on_device(
+        resident: Box<dyn FrameKernels>,
+        what: Build,
+        stats: TreeStats,
+        upload_seconds: f64,
+        warning: Option<String>,
+    ) -> Self {
+        let (tree, triangles) = (Tree::OnDevice(resident, upload_seconds), stats.references);
+        Self { tree, what, stats, build_seconds: stats.build_seconds, warning, triangles }
+    }
+
+    /// What the device still needs for it.
+    pub fn bytes_to_upload(&self) -> u64 {
+        if matches!(self.tree, Tree::OnDevice(..)) {
+            return 0;
+        }
+        self.stats.bytes as u64
+    }
+
     pub fn upload(self, device: &Device) -> Result<Structure, SceneError> {
         let start = Instant::now();
-        let (resident, upper) = match &self.tree {
-            Tree::World(tree) => (upload(device, tree)?, None),
+        let (resident, upper, before) = match self.tree {
+            Tree::OnDevice(resident, seconds) => (resident, None, seconds),
+            Tree::World(tree) => (upload(device, &tree)?, None, 0.0),
             Tree::Instances(tree, count) => {
-                (upload_instances(device, self.what.kind, tree)?, Some(UpperTree::of(tree, *count)))
+                (upload_instances(device, self.what.kind, &tree)?, Some(UpperTree::of(&tree, count)), 0.0)
             }
         };
         Ok(Structure {
             kind: Some(self.what.kind),
             build_seconds: self.build_seconds,
-            upload_seconds: start.elapsed().as_secs_f64(),
+            upload_seconds: before + start.elapsed().as_secs_f64(),
             warning: self.warning,
             upper,
             triangles: self.triangles,
@@ -231,7 +265,7 @@ impl Built {
 }
 
 /// Copies a structure to a device, which has kernels for it.
-fn upload(device: &Device, tree: &Accel) -> Result<Box<dyn FrameKernels>, DeviceError> {
+pub(super) fn upload(device: &Device, tree: &Accel) -> Result<Box<dyn FrameKernels>, DeviceError> {
     Ok(match tree {
         Accel::Brute(list) => Box::new(ResidentBrute::upload(device, list)?),
         Accel::Kd(tree) => Box::new(ResidentKd::upload(device, tree)?),

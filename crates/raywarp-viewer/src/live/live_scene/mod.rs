@@ -60,6 +60,8 @@ pub struct LiveSceneOptions {
     pub overrides: RenderDefaults,
     /// The first view.
     pub viewpoint: Viewpoint,
+    /// One linear colour beyond the scene, instead of its own background.
+    pub background: Option<[f32; 3]>,
     /// Whether trees are kept on disk.
     pub cached: bool,
     /// Scenes of fewer triangles get their good tree at once: it is there before anybody notices.
@@ -69,7 +71,7 @@ pub struct LiveSceneOptions {
 impl Default for LiveSceneOptions {
     fn default() -> Self {
         let (overrides, viewpoint) = (RenderDefaults::default(), Viewpoint::default());
-        Self { overrides, viewpoint, cached: false, at_once: 100_000 }
+        Self { overrides, viewpoint, background: None, cached: false, at_once: 100_000 }
     }
 }
 

@@ -9,7 +9,7 @@ use raywarp::device::Device;
 use raywarp::device_scene::{world_triangles, Levels, Structure};
 use raywarp::render::{self, Tracer};
 use raywarp::scene::load::{self, Attempt};
-use raywarp::scene::{Camera, Instance, LoadOptions, Loaded, Material, RenderDefaults, Scene};
+use raywarp::scene::{Background, Camera, Instance, LoadOptions, Loaded, Material, RenderDefaults, Scene};
 
 use super::{LiveSceneOptions, Source};
 use crate::live::edits::Edits;
@@ -82,6 +82,7 @@ impl Order {
     fn set_up(self, loaded: Loaded) -> Result<Ready, ViewerError> {
         let Loaded { mut scene, warnings, files, .. } = loaded;
         scene.up = self.options.viewpoint.scene_up;
+        scene.background = self.options.background.map(Background::constant).or(scene.background);
         let read = scene.outline();
         let edits = match self.edits {
             Some(mut edits) => {

@@ -5,8 +5,9 @@ use raywarp_core::traversal::{bvh2, bvh2_quantized};
 
 use super::NodeSizes;
 use crate::accel::bvh2::Bvh2;
+use crate::accel::bvh2_dual::DualBvh2;
 use crate::accel::bvh2_quantized::{compress, grid};
-use crate::accel::{BuildError, TreeStats};
+use crate::accel::{Accel, ResidentBvh2, ResidentDual, TreeStats};
 use crate::device::{Buffer, Device, DeviceError};
 use crate::{Triangle, Vec3};
 
@@ -50,13 +51,9 @@ impl DeviceTree {
     }
 
     /// A tree of the host, copied to the device.
-    pub(super) fn of_host(
-        device: &Device,
-        tree: &Bvh2,
-        sizes: NodeSizes,
-        stats: TreeStats,
-    ) -> Result<Self, DeviceError> {
-        device.reserve(Self::bytes(tree.nodes.len(), tree.triangles.len(), sizes), "the tree")?;
+    pub(super) fn of_host(device: &Device, tree: &Bvh2, sizes: NodeSizes) -> Result<Self, DeviceError> {
+        let bytes = Self::bytes(tree.nodes.len(), tree.triangles.len(), sizes);
+        device.reserve(bytes, "the tree")?;
         let grid = grid(&tree.bounds());
         let small = if sizes == NodeSizes::Both { compress(&tree.nodes, &grid) } else { Vec::new() };
         Ok(Self {
@@ -65,7 +62,7 @@ impl DeviceTree {
             triangles: device.upload(&tree.triangles)?,
             grid,
             reach: tree.reach(),
-            stats,
+            stats: TreeStats { bytes: bytes as usize, ..tree.stats() },
         })
     }
 
@@ -90,7 +87,33 @@ impl DeviceTree {
     }
 
     /// Brings it to the host.
-    pub(crate) fn download(self, build_seconds: f64) -> Result<Bvh2, BuildError> {
+    pub(crate) fn download(self, build_seconds: f64) -> Result<Bvh2, DeviceError> {
         Ok(Bvh2 { nodes: self.full.download()?, triangles: self.triangles.download()?, build_seconds })
+    }
+
+    /// A copy of it on the host.
+    ///
+    /// # Errors
+    /// [`DeviceError`] where the device fails.
+    pub fn to_host(&self) -> Result<Accel, DeviceError> {
+        let (nodes, triangles) = (self.full.to_vec()?, self.triangles.to_vec()?);
+        let full = Bvh2 { nodes, triangles, build_seconds: self.stats.build_seconds };
+        if self.small.is_empty() {
+            return Ok(Accel::Bvh2(full));
+        }
+        Ok(Accel::Bvh(DualBvh2 { full, nodes: self.small.to_vec()?, grid: self.grid }))
+    }
+}
+
+impl From<DeviceTree> for ResidentBvh2 {
+    fn from(tree: DeviceTree) -> Self {
+        Self { nodes: tree.full, triangles: tree.triangles, reach: tree.reach }
+    }
+}
+
+impl From<DeviceTree> for ResidentDual {
+    fn from(tree: DeviceTree) -> Self {
+        let DeviceTree { full: nodes, small, triangles, grid, reach, .. } = tree;
+        Self { full: ResidentBvh2 { nodes, triangles, reach }, small, grid }
     }
 }

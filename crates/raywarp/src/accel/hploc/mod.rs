@@ -95,7 +95,10 @@ impl TreeBuilder {
     /// # Errors
     /// [`BuildError`] for more triangles than the capacity, or where the device fails or has no room for the tree.
     pub fn build(&mut self, triangles: &Buffer<Triangle>, sizes: NodeSizes) -> Result<Built, BuildError> {
-        BuildError::check(triangles.len() as usize, self.scratch.capacity())?;
+        let (has, capacity) = (triangles.len() as usize, self.scratch.capacity());
+        if has > capacity as usize {
+            return Err(BuildError::Capacity { has, capacity });
+        }
         self.device.check(triangles, "triangles")?;
         if triangles.is_empty() {
             return self.on_host(triangles, sizes, &Findings::default(), None);
@@ -124,8 +127,7 @@ impl TreeBuilder {
     ) -> Result<Built, BuildError> {
         let (kept, _) = super::drop_degenerate(triangles.to_vec()?);
         let tree = bvh2_build::build(kept, Quality::Medium)?;
-        let stats = tree.stats();
-        Ok(built(DeviceTree::of_host(&self.device, &tree, sizes, stats)?, found, too_deep))
+        Ok(built(DeviceTree::of_host(&self.device, &tree, sizes)?, found, too_deep))
     }
 }
 
@@ -167,5 +169,5 @@ pub(super) fn build_on_host(triangles: Vec<Triangle>) -> Result<super::bvh2::Bvh
     let device = Device::open(crate::device::DeviceChoice::Cpu)?;
     let mut builder = TreeBuilder::new(&device, triangles.len())?;
     let built = builder.build(&device.upload(&triangles)?, NodeSizes::Full)?;
-    built.tree.download(start.elapsed().as_secs_f64())
+    Ok(built.tree.download(start.elapsed().as_secs_f64())?)
 }
