@@ -46,10 +46,11 @@ struct State {
 impl Scene {
     #[new]
     #[pyo3(signature = (device, build))]
-    fn new(device: &str, build: Option<&str>) -> PyResult<Self> {
+    fn new(py: Python<'_>, device: &str, build: Option<&str>) -> PyResult<Self> {
         let choice: DeviceChoice = device.parse().map_err(value_error)?;
         let quality = build.map(str::parse).transpose().map_err(value_error)?;
-        let device = Device::open(choice).map_err(|error| errors::of_device(&error))?;
+        // By another thread: it makes the device's context current.
+        let device = work::run(py, None, |_| Device::open(choice))?.map_err(|error| errors::of_device(&error))?;
         let scene = raywarp::Scene { materials: vec![Material::default()], ..raywarp::Scene::default() };
         Ok(Self { device, quality, state: Mutex::new(State { scene, ..State::default() }) })
     }
@@ -149,6 +150,14 @@ impl Scene {
             }
         };
         work::run(py, threads, |_| commit())?.map_err(|error| errors::of_query(&error))
+    }
+}
+
+impl Drop for Scene {
+    fn drop(&mut self) {
+        let state = std::mem::take(self.state.get_mut().unwrap_or_else(PoisonError::into_inner));
+        // Freeing memory makes the device's context current. Of a device that fails nothing can be learned here.
+        let _ = self.device.restoring_context(|| drop(state));
     }
 }
 

@@ -1,6 +1,6 @@
 """Arrays on a CUDA device, of torch, cupy and jax. Needs a GPU and these libraries (each test skips without its own):
 
-    python -m pytest cuda_arrays.py -rA -s
+python -m pytest cuda_arrays.py -rA -s
 """
 
 import subprocess
@@ -9,7 +9,6 @@ import time
 
 import numpy as np
 import pytest
-
 import raywarp
 
 try:
@@ -109,6 +108,18 @@ def test_closest_has_the_bits_of_the_cpu(scenes, library, coherent):
     one = take(RAYS[0, :3])
     same_bits(cuda.closest(one, take(RAYS[:, 3:])), cpu.closest(RAYS[0, :3], RAYS[:, 3:]), give)
     same_bits(cuda.closest(take(RAYS), t_min=4.0, t_max=6.5), cpu.closest(RAYS, t_min=4.0, t_max=6.5), give)
+
+
+def test_batches_of_every_size_are_answered_again_and_again(scenes):
+    """The counters of persistent threads are zero after each launch, whether warps and blocks are full or not."""
+    torch = pytest.importorskip("torch")
+    for count in (1, 31, 32, 33, 127, 128, 129, 1000, 4097):
+        rays = torch.from_numpy(eight(RAYS[:count])).cuda()
+        expected = scenes[1].closest(RAYS[:count])
+        for _ in range(3):
+            hits = scenes[0].closest(rays)
+            same_bits(hits, expected, lambda array: array.cpu().numpy())
+            np.testing.assert_array_equal(scenes[0].any(rays).cpu().numpy(), expected.hit)
 
 
 @EVERY
@@ -257,6 +268,50 @@ def test_streams_ask_at_once(scenes):
         same_bits(found, cpu.closest(batch), lambda array: array.cpu().numpy())
 
 
+def test_closest_points_have_the_bits_of_the_cpu(scenes):
+    torch = pytest.importorskip("torch")
+    cuda, cpu = scenes
+    points = np.random.default_rng(4).uniform(-3, 3, (5000, 3)).astype(np.float32)
+    tensor = torch.from_numpy(points).cuda()
+    for limit in (np.inf, 0.25):
+        found, expected = cuda.nearest(tensor, max_distance=limit), cpu.nearest(points, max_distance=limit)
+        for name in ("distance", "uv", "primitive", "geometry", "points", "normals"):
+            one, other = getattr(found, name).cpu().numpy(), getattr(expected, name)
+            assert np.ascontiguousarray(one).tobytes() == other.tobytes(), name
+    np.testing.assert_array_equal(cuda.occupancy(tensor).cpu().numpy(), cpu.occupancy(points))
+    np.testing.assert_array_equal(cuda.signed_distance(tensor).cpu().numpy(), cpu.signed_distance(points))
+    same = cuda.nearest(points)
+    assert same.distance.tobytes() == cpu.nearest(points).distance.tobytes()
+
+
+def test_instances_move_on_the_device(scenes):
+    torch = pytest.importorskip("torch")
+    made = []
+    for device in ("cuda", "cpu"):
+        scene = raywarp.Scene(device)
+        mesh = scene.mesh(*soup(500))
+        made.append((scene, scene.instances(mesh, np.tile(np.eye(4), (20, 1, 1)))))
+    rays = torch.from_numpy(eight(RAYS)).cuda()
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        transforms = np.tile(np.eye(4), (20, 1, 1))
+        transforms[:, :3, :3] = np.linalg.qr(rng.normal(size=(20, 3, 3)))[0]
+        transforms[:, :3, 3] = rng.uniform(-1, 1, (20, 3))
+        for (scene, instances), given in zip(made, (torch.from_numpy(transforms).cuda(), transforms)):
+            instances.transforms = given
+            scene.commit()
+        same_bits(made[0][0].closest(rays), made[1][0].closest(RAYS), lambda array: array.cpu().numpy())
+        # Captured anew, as the scene has changed.
+        hits = made[0][0].closest(rays)
+        graph = torch.cuda.CUDAGraph()
+        with torch.cuda.graph(graph):
+            made[0][0].closest(rays, out=hits)
+        hits.t.fill_(0)
+        graph.replay()
+        torch.cuda.synchronize()
+        same_bits(hits, made[1][0].closest(RAYS), lambda array: array.cpu().numpy())
+
+
 def test_a_graph_captures_questions(scenes):
     torch = pytest.importorskip("torch")
     cuda, cpu = scenes
@@ -342,9 +397,14 @@ def test_answers_after_many_small_calls(scenes):
         scenes[0].closest(rays, out=hits)
         torch.cuda.synchronize()
 
-    enqueue, new = microseconds(lambda: scenes[0].closest(rays, out=hits)), microseconds(lambda: scenes[0].closest(rays))
+    enqueue, new = (
+        microseconds(lambda: scenes[0].closest(rays, out=hits)),
+        microseconds(lambda: scenes[0].closest(rays)),
+    )
     wait = microseconds(waited)
-    print(f"\n1,000 rays: {enqueue:.1f} us to enqueue with out, {new:.1f} us without, {wait:.1f} us with synchronisation")
+    print(
+        f"\n1,000 rays: {enqueue:.1f} us to enqueue with out, {new:.1f} us without, {wait:.1f} us with synchronisation"
+    )
     assert enqueue < 200
 
 
@@ -375,6 +435,17 @@ def test_sanitizer_finds_nothing():
     if shutil.which("compute-sanitizer") is None:
         pytest.skip("there is no compute-sanitizer")
     pytest.importorskip("torch")
-    words = ["compute-sanitizer", "--error-exitcode", "7", sys.executable, "-m", "pytest", __file__, "-q", "-k", "bits_of_the_cpu and torch"]
+    words = [
+        "compute-sanitizer",
+        "--error-exitcode",
+        "7",
+        sys.executable,
+        "-m",
+        "pytest",
+        __file__,
+        "-q",
+        "-k",
+        "bits_of_the_cpu and torch",
+    ]
     done = subprocess.run(words, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout[-4000:]

@@ -3,7 +3,6 @@ is named after, and is skipped without."""
 
 import numpy as np
 import pytest
-
 import raywarp
 import raywarp.open3d
 import raywarp.trimesh
@@ -55,8 +54,12 @@ def test_rays_hit_what_open3d_says(open3d):
     same = one["primitive_ids"].numpy() == other["primitive_ids"].numpy()
     assert same.mean() > 0.9999, "but where a ray runs along an edge"
     np.testing.assert_array_equal(one["geometry_ids"].numpy()[same], other["geometry_ids"].numpy()[same])
-    np.testing.assert_allclose(one["primitive_uvs"].numpy()[same & hit], other["primitive_uvs"].numpy()[same & hit], atol=2e-3)
-    np.testing.assert_allclose(one["primitive_normals"].numpy()[same & hit], other["primitive_normals"].numpy()[same & hit], atol=1e-4)
+    np.testing.assert_allclose(
+        one["primitive_uvs"].numpy()[same & hit], other["primitive_uvs"].numpy()[same & hit], atol=2e-3
+    )
+    np.testing.assert_allclose(
+        one["primitive_normals"].numpy()[same & hit], other["primitive_normals"].numpy()[same & hit], atol=1e-4
+    )
     np.testing.assert_array_equal(theirs.test_occlusions(rays).numpy(), ours.test_occlusions(rays).numpy())
     counts, other_counts = theirs.count_intersections(rays).numpy(), ours.count_intersections(rays).numpy()
     assert (counts == other_counts).mean() > 0.9999
@@ -70,7 +73,9 @@ def test_rays_hit_what_open3d_says(open3d):
 def test_points_are_closest_to_what_open3d_says(open3d):
     theirs, ours = both_of(open3d)
     points = open3d.core.Tensor(np.random.default_rng(5).uniform(-2, 2, (5000, 3)).astype(np.float32))
-    np.testing.assert_allclose(ours.compute_distance(points).numpy(), theirs.compute_distance(points).numpy(), atol=2e-6)
+    np.testing.assert_allclose(
+        ours.compute_distance(points).numpy(), theirs.compute_distance(points).numpy(), atol=2e-6
+    )
     one, other = theirs.compute_closest_points(points), ours.compute_closest_points(points)
     assert sorted(one) == sorted(other)
     np.testing.assert_allclose(other["points"].numpy(), one["points"].numpy(), atol=1e-3)
@@ -94,7 +99,9 @@ def test_pinholes_are_those_of_open3d(open3d):
     extrinsic[:3, :3], extrinsic[:3, 3] = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0], (1, 2, 3)
     matrices = open3d.core.Tensor(intrinsic), open3d.core.Tensor(extrinsic)
     expected = create(*matrices, 64, 48).numpy()
-    np.testing.assert_allclose(raywarp.open3d.RaycastingScene.create_rays_pinhole(*matrices, 64, 48), expected, atol=1e-5)
+    np.testing.assert_allclose(
+        raywarp.open3d.RaycastingScene.create_rays_pinhole(*matrices, 64, 48), expected, atol=1e-5
+    )
 
 
 def test_a_mesh_is_hit_where_trimesh_says(trimesh):

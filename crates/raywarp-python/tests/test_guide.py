@@ -4,7 +4,6 @@ import re
 from pathlib import Path
 
 import pytest
-
 import raywarp
 
 GUIDE = Path(__file__).parents[3] / "docs" / "python.md"

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from conftest import brute_force
-
 import raywarp
+from conftest import brute_force
 
 
 @pytest.fixture

@@ -6,7 +6,6 @@ import weakref
 
 import numpy as np
 import pytest
-
 import raywarp
 
 DOWN = [0.5, 0.25, 9, 0, 0, -1]

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
 import raywarp.open3d
 import raywarp.trimesh
 

@@ -27,7 +27,8 @@ impl Cuda {
     }
 
     pub fn synchronize(&self) -> Result<(), DeviceError> {
-        self.context().synchronize().map_err(|error| self.failed("finished its work", error))
+        let done = self.restoring_context(|| self.context().synchronize())?;
+        done.map_err(|error| self.failed("finished its work", error))
     }
 
     pub fn restoring_context<T>(&self, work: impl FnOnce() -> T) -> Result<T, DeviceError> {

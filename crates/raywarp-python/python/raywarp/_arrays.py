@@ -6,13 +6,15 @@ integers of any size. Everything else is an error that says what was given and w
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float32]
-Ints = npt.NDArray[np.int32]
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from raywarp._types import Floats
+
 
 def array(value: Any, what: str) -> npt.NDArray[Any]:
     """What NumPy makes of `value`: an array of NumPy, of another library on the CPU, or nested sequences."""
@@ -27,7 +29,9 @@ def array(value: Any, what: str) -> npt.NDArray[Any]:
 def _from_other_library(value: Any, what: str) -> npt.NDArray[Any]:
     device, _ = value.__dlpack_device__()
     if device not in _HOST:
-        raise TypeError(f"{what} are in the memory of a device of DLPack's kind {int(device)}, which raywarp cannot read")
+        raise TypeError(
+            f"{what} are in the memory of a device of DLPack's kind {int(device)}, which raywarp cannot read"
+        )
     try:
         return np.from_dlpack(value)
     except (BufferError, RuntimeError):
@@ -84,3 +88,11 @@ def transforms(value: Any) -> Floats:
     if given.shape[1] == 4 and not (given[:, 3] == (0, 0, 0, 1)).all():
         raise ValueError("transforms have a last row other than 0, 0, 0, 1, and only affine maps place a mesh")
     return np.ascontiguousarray(given[:, :3])
+
+
+def along(start: Any, direction: Any, t: Any) -> Any:
+    """Points at `t`, NaN where that is infinite; of arrays of any library."""
+    with np.errstate(invalid="ignore"):
+        # NaN where it is infinite, and itself elsewhere.
+        t = t + 0 * t
+        return start + t[..., None] * direction

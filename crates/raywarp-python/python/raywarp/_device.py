@@ -6,21 +6,21 @@ import math
 from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
-import numpy.typing as npt
 
 from raywarp import _libraries, _raywarp
+from raywarp._arrays import along
 from raywarp._hits import AllHits, DeviceRoom, Hits
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from raywarp._scene import Scene
 
 
 class DeviceBatch:
     """Rays of a call, as kernels take them."""
 
-    def __init__(
-        self, scene: Scene, rays: Any, directions: Any, t_min: Any, t_max: Any, stream: Any
-    ) -> None:
+    def __init__(self, scene: Scene, rays: Any, directions: Any, t_min: Any, t_max: Any, stream: Any) -> None:
         refuse_host_scene(scene, "rays")
         if directions is not None and not _libraries.is_on_cuda(directions):
             raise ValueError("directions are on the CPU, and their origins on a CUDA device")
@@ -54,18 +54,16 @@ class DeviceBatch:
         """An array of NumPy, for the library of the rays."""
         return _libraries.to_device(self.scene._core, array, self.like, self.stream)
 
-    @property
-    def start(self) -> Any:
-        """Where t is 0, (..., 3)."""
-        return self._arrays[0][..., :3]
-
-    @property
-    def direction(self) -> Any:
-        """Where each goes, (..., 3)."""
+    def at(self, t: Any, ray: Any = None) -> Any:
+        """The points at `t` of the rays, or of those with these numbers."""
         rays, directions = self._arrays
-        if directions is not None:
-            return directions
-        return rays[..., 3:] if rays.shape[-1] == 6 else rays[..., 4:7]
+        if directions is None:
+            directions = rays[..., 3:] if rays.shape[-1] == 6 else rays[..., 4:7]
+        ends = rays[..., :3], directions
+        if ray is not None:
+            # One for all stays one.
+            ends = tuple(end if math.prod(end.shape) == 3 else end.reshape(-1, 3)[ray] for end in ends)
+        return along(*ends, t)
 
 
 def closest(batch: DeviceBatch, out: Optional[Hits], coherent: bool) -> Hits:
@@ -98,10 +96,10 @@ def all(batch: DeviceBatch, max_hits: Optional[int]) -> AllHits:
     counts = _libraries.to_host(core, numbers, batch.stream)
     offsets = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)])
     if offsets[-1] >= 2**32:
-        raise ValueError(f"the rays have {offsets[-1]} hits, more than the {2**32 - 1} that fit in one array on a device")
-    places = _raywarp.DeviceArray(
-        core, offsets.shape, "int32", batch.stream, offsets.astype(np.uint32), [batch.like]
-    )
+        raise ValueError(
+            f"the rays have {offsets[-1]} hits, more than the {2**32 - 1} that fit in one array on a device"
+        )
+    places = _raywarp.DeviceArray(core, offsets.shape, "int32", batch.stream, offsets.astype(np.uint32), [batch.like])
     room = DeviceRoom(batch, (int(offsets[-1]),))
     _raywarp.enqueue_all(core, batch.core, places, numbers, room.records, room.instances)
     room.holds = places

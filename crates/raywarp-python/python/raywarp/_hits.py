@@ -2,59 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol, Union
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
-import numpy.typing as npt
 
 from raywarp import _libraries, _raywarp
 from raywarp._rays import Rays
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from raywarp._device import DeviceBatch
-    from raywarp._scene import Scene
-
-
-class Room(Protocol):
-    """Where hits are."""
-
-    @property
-    def t(self) -> Any: ...
-    @property
-    def uv(self) -> Any: ...
-    @property
-    def primitive(self) -> Any: ...
-    @property
-    def geometry(self) -> Any: ...
-
-
-class Asked(Protocol):
-    """Rays or points of a call, which know how arrays are given to people and taken from them."""
-
-    @property
-    def scene(self) -> Scene: ...
-    @property
-    def shape(self) -> tuple[int, ...]: ...
-    @property
-    def library(self) -> _libraries.Library: ...
-    def to_host(self, array: Any) -> npt.NDArray[Any]: ...
-    def give(self, array: npt.NDArray[Any]) -> Any: ...
-
-
-class AskedOnDevice(Protocol):
-    """The same on a CUDA device."""
-
-    @property
-    def shape(self) -> tuple[int, ...]: ...
-    @property
-    def library(self) -> _libraries.Library: ...
-    def empty(self, shape: tuple[int, ...], kind: str) -> Any: ...
+    from raywarp._types import Asked, AskedOnDevice, Library, Room
 
 
 class HostRoom:
     """Arrays of NumPy, one for each of the numbers, given as those of the library of the rays."""
 
-    def __init__(self, shape: tuple[int, ...], library: _libraries.Library) -> None:
+    def __init__(self, shape: tuple[int, ...], library: Library) -> None:
         self.shape = shape
         self.library = library
         self.arrays: tuple[npt.NDArray[Any], ...] = (
@@ -80,15 +45,15 @@ class DeviceRoom:
 
     @property
     def t(self) -> Any:
-        return self.library.finished(self.records)[..., 0]
+        return self.library.columns(self.records, 0)
 
     @property
     def uv(self) -> Any:
-        return self.library.finished(self.records)[..., 1:3]
+        return self.library.columns(self.records, 1, 2)
 
     @property
     def primitive(self) -> Any:
-        return self.library.finished(self.library.integers(self.records))[..., 3]
+        return self.library.columns(self.library.integers(self.records), 3)
 
     @property
     def geometry(self) -> Any:
@@ -142,7 +107,7 @@ class Hits:
     @property
     def points(self) -> Any:
         """(..., 3) float32; where the ray hit, `origin + t * direction`. NaN for a miss."""
-        return _points(self._rays.start, self._rays.direction, self.t)
+        return self._rays.at(self.t)
 
     @property
     def normals(self) -> Any:
@@ -194,9 +159,7 @@ class AllHits:
     @property
     def points(self) -> Any:
         """(hits, 3) float32; where the ray hit, `origin + t * direction`."""
-        ray = self.ray
-        start, direction = (end.reshape(-1, 3)[ray] for end in (self._rays.start, self._rays.direction))
-        return _points(start, direction, self.t)
+        return self._rays.at(self.t, self.ray)
 
     @property
     def normals(self) -> Any:
@@ -213,20 +176,11 @@ class AllHits:
 class FoundRoom:
     """Hits that were found on the CPU, as many as there are."""
 
-    def __init__(
-        self, library: _libraries.Library, found: tuple[npt.NDArray[Any], ...]
-    ) -> None:
+    def __init__(self, library: Library, found: tuple[npt.NDArray[Any], ...]) -> None:
         t, uv, primitive, geometry = found
         self.t, self.uv, self.primitive, self.geometry = map(
             library.from_host, (t, uv.reshape(-1, 2), primitive, geometry)
         )
-
-
-def _points(start: Any, direction: Any, t: Any) -> Any:
-    with np.errstate(invalid="ignore"):
-        # NaN where t is infinite, and t elsewhere.
-        t = t + 0 * t
-        return start + t[..., None] * direction
 
 
 def surface_normals(asked: Asked, room: Room) -> Any:

@@ -5,36 +5,22 @@ None is imported here. Whoever gives an array of a library has imported it, so i
 
 from __future__ import annotations
 
+import importlib
 import sys
-from typing import Any, Optional, Protocol
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
-import numpy.typing as npt
 
 from raywarp import _raywarp
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from raywarp._types import Library
 
 # DLPack's numbers of memory that the CPU reads, and of memory of CUDA devices.
 _HOST = (1, 3)
 _CUDA = (2, 13)
-
-
-class Library(Protocol):
-    """What has to be known of a library."""
-
-    def stream(self, like: Any) -> int:
-        """The handle of the CUDA stream on which the library works with an array, 0 for the legacy default stream."""
-
-    def empty(self, core: _raywarp.Scene, shape: tuple[int, ...], kind: str, like: Any, stream: int) -> Any:
-        """An array on the device of another one, to be written on a stream."""
-
-    def integers(self, array: Any) -> Any:
-        """The same memory as int32."""
-
-    def finished(self, array: Any) -> Any:
-        """An array of `empty` as people are given it, once all that writes it was enqueued."""
-
-    def from_host(self, array: npt.NDArray[Any]) -> Any:
-        """An array of the CPU, in the memory of one of NumPy."""
 
 
 class _NumPy:
@@ -62,6 +48,12 @@ class _Torch:
     def finished(self, array: Any) -> Any:
         return array
 
+    def columns(self, array: Any, first: int, count: Optional[int] = None) -> Any:
+        return _sliced(array, first, count)
+
+    def take(self, array: _raywarp.DeviceArray) -> Any:
+        return self._torch.from_dlpack(array)
+
     def from_host(self, array: npt.NDArray[Any]) -> Any:
         return self._torch.from_numpy(array)
 
@@ -84,6 +76,12 @@ class _CuPy:
 
     def finished(self, array: Any) -> Any:
         return array
+
+    def columns(self, array: Any, first: int, count: Optional[int] = None) -> Any:
+        return _sliced(array, first, count)
+
+    def take(self, array: _raywarp.DeviceArray) -> Any:
+        return self._cupy.from_dlpack(array)
 
     def from_host(self, array: npt.NDArray[Any]) -> Any:
         return array
@@ -108,6 +106,15 @@ class _Other:
 
     def finished(self, array: Any) -> Any:
         return array if self._from_dlpack is None else self._from_dlpack(array)
+
+    def columns(self, array: Any, first: int, count: Optional[int] = None) -> Any:
+        # Not every library takes arrays whose items lie apart.
+        if self._from_dlpack is None:
+            return array.columns(first, count)
+        return _sliced(self._from_dlpack(array), first, count)
+
+    def take(self, array: _raywarp.DeviceArray) -> Any:
+        return self.finished(array)
 
     def from_host(self, array: npt.NDArray[Any]) -> Any:
         return array if self._from_dlpack is None else self._from_dlpack(array)
@@ -143,7 +150,7 @@ def _from_dlpack(names: set[str]) -> Any:
     """The function by which a library takes arrays of others; none where it is not known."""
     if names & {"jax", "jaxlib"}:
         # Arrays of jax are of a class of jaxlib, and so are their tracers.
-        return sys.modules["jax"].dlpack.from_dlpack
+        return importlib.import_module("jax.dlpack").from_dlpack
     for name in sorted(names):
         function = getattr(sys.modules.get(name), "from_dlpack", None)
         if function is not None:
@@ -187,8 +194,8 @@ def to_host(core: _raywarp.Scene, value: Any, stream: Optional[int] = None) -> n
 def to_device(core: _raywarp.Scene, value: npt.NDArray[Any], like: Any, stream: int) -> Any:
     """An array of NumPy on the device and of the library of another one."""
     words = np.ascontiguousarray(value).reshape(-1).view(np.uint32)
-    made = _raywarp.DeviceArray(core, value.shape, value.dtype.name, stream, words, [])
-    library = of(like)
-    if isinstance(library, (_Torch, _CuPy)):
-        return sys.modules[type(library).__name__[1:].lower()].from_dlpack(made)
-    return library.finished(made)
+    return of(like).take(_raywarp.DeviceArray(core, value.shape, value.dtype.name, stream, words, []))
+
+
+def _sliced(array: Any, first: int, count: Optional[int]) -> Any:
+    return array[..., first] if count is None else array[..., first : first + count]

@@ -5,14 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
-import numpy.typing as npt
 
 from raywarp import _device, _libraries, _raywarp
-from raywarp._arrays import Floats, floats
+from raywarp._arrays import floats
 from raywarp._hits import DeviceRoom, HostRoom, surface_normals, surface_points
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from raywarp._scene import Scene
+    from raywarp._types import Floats
 
 
 class HostPoints:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, Optional
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
-import numpy.typing as npt
 
 from raywarp import _arrays, _libraries, _raywarp
-from raywarp._arrays import Floats
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from raywarp._types import Floats
 
 
 class Place:

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 
 import numpy as np
-import numpy.typing as npt
 
 from raywarp import _libraries
-from raywarp._arrays import Floats, floats
+from raywarp._arrays import along, floats
 
 if TYPE_CHECKING:
-    from raywarp._scene import Scene
+    import numpy.typing as npt
 
-# Ends that are the same for all rays, or one a ray.
-End = Union[None, float, npt.ArrayLike]
+    from raywarp._scene import Scene
+    from raywarp._types import End, Floats, Library
 
 
 class Rays(NamedTuple):
@@ -27,7 +26,7 @@ class Rays(NamedTuple):
     ends: tuple[float, float]
     shape: tuple[int, ...]
     # Of the arrays that were given.
-    library: _libraries.Library
+    library: Library
     scene: Scene
 
     def to_host(self, array: Any) -> npt.NDArray[Any]:
@@ -38,23 +37,22 @@ class Rays(NamedTuple):
         """An array of NumPy, for the library of the rays."""
         return self.library.from_host(array)
 
-    @property
-    def start(self) -> Any:
-        """Where t is 0, (..., 3), for the library of the rays."""
-        return self.library.from_host(self._starts)
+    def at(self, t: Any, ray: Any = None) -> Any:
+        """The points at `t` of the rays, or of those with these numbers; for the library of the rays."""
+        start, direction = self.starts, self.ways
+        if ray is not None:
+            start, direction = (ends.reshape(-1, 3)[np.asarray(ray)] for ends in (start, direction))
+        return self.give(along(start, direction, np.asarray(t)))
 
     @property
-    def _starts(self) -> Floats:
+    def starts(self) -> Floats:
+        """Where t is 0, (..., 3)."""
         start = np.broadcast_to(self.origins[:, :3], (self.rows, 3))
         return start.reshape(*self.shape, 3)
 
     @property
-    def direction(self) -> Any:
-        """Where each goes, (..., 3), likewise."""
-        return self.library.from_host(self._directions)
-
-    @property
-    def _directions(self) -> Floats:
+    def ways(self) -> Floats:
+        """Where each goes, (..., 3)."""
         if self.directions is not None:
             direction = self.directions
         elif self.origins.shape[1] == 8:
@@ -83,7 +81,7 @@ def prepare(scene: Scene, rays: Any, directions: Any, t_min: End, t_max: End) ->
     return _with_own_ends(batch, low, high)
 
 
-def _whole(scene: Scene, rays: Any, library: _libraries.Library) -> Rays:
+def _whole(scene: Scene, rays: Any, library: Library) -> Rays:
     rays = floats(rays, "rays")
     if rays.ndim == 0 or rays.shape[-1] not in (6, 8):
         raise ValueError(
@@ -93,7 +91,7 @@ def _whole(scene: Scene, rays: Any, library: _libraries.Library) -> Rays:
     return Rays(rays.reshape(-1, rays.shape[-1]), None, (0.0, np.inf), rays.shape[:-1], library, scene)
 
 
-def _parts(scene: Scene, origins: Any, directions: Any, library: _libraries.Library) -> Rays:
+def _parts(scene: Scene, origins: Any, directions: Any, library: Library) -> Rays:
     origins, directions = floats(origins, "origins"), floats(directions, "directions")
     for what, given in (("origins", origins), ("directions", directions)):
         if given.ndim == 0 or given.shape[-1] != 3:
@@ -119,8 +117,8 @@ def _refuse_two_ends(batch: Rays) -> None:
 def _with_own_ends(batch: Rays, t_min: Floats, t_max: Floats) -> Rays:
     """The same where each ray has its own ends."""
     rows = np.empty((*batch.shape, 8), np.float32)
-    rows[..., :3] = batch._starts
-    rows[..., 4:7] = batch._directions
+    rows[..., :3] = batch.starts
+    rows[..., 4:7] = batch.ways
     for column, ends, what in ((3, t_min, "t_min"), (7, t_max, "t_max")):
         try:
             rows[..., column] = ends

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
-from raywarp import _arrays, _device, _libraries, _nearest, _raywarp, _rays
+from raywarp import _arrays, _device, _libraries, _nearest, _rays, _raywarp
 from raywarp._device import DeviceBatch
 from raywarp._hits import AllHits, FoundRoom, Hits, HostRoom
 from raywarp._nearest import Nearest
 from raywarp._placed import Instances, Mesh, World
-from raywarp._rays import End
+
+if TYPE_CHECKING:
+    from raywarp._types import End
 
 Path = Union[str, "os.PathLike[str]"]
 
@@ -42,9 +44,7 @@ class Scene:
         self.threads = threads
 
     @staticmethod
-    def open(
-        path: Path, device: str = "auto", *, build: str = "medium", threads: Optional[int] = None
-    ) -> Scene:
+    def open(path: Path, device: str = "auto", *, build: str = "medium", threads: Optional[int] = None) -> Scene:
         """Reads a scene from a file: .obj, .ply, .stl, .gltf, .glb, or .toml that puts such together.
 
         Geometry is numbered as `raywarp query` does, and `names` has a name for each. What the file asks and raywarp does not do is
@@ -67,7 +67,7 @@ class Scene:
 
     @property
     def device(self) -> str:
-        """"cpu" or "cuda:N": where rays are traced."""
+        """ "cpu" or "cuda:N": where rays are traced."""
         return self._core.device
 
     @property
@@ -182,7 +182,9 @@ class Scene:
         hits = Hits._in(HostRoom(batch.shape, batch.library)) if out is None else out
         room = hits._room
         if not isinstance(room, HostRoom) or room.shape != batch.shape:
-            raise ValueError(f"out has room for a batch of the shape {tuple(hits.t.shape)}, and the rays have {batch.shape}")
+            raise ValueError(
+                f"out has room for a batch of the shape {tuple(hits.t.shape)}, and the rays have {batch.shape}"
+            )
         t, uv, primitive, geometry = (array.reshape(-1) for array in room.arrays)
         _raywarp.closest(self._core, *batch[:3], t, uv, primitive, geometry, self.threads)
         return hits._about(batch)
@@ -357,4 +359,3 @@ def _limit(max_hits: Optional[int]) -> Optional[int]:
     if max_hits is not None and not 1 <= max_hits < 2**31:
         raise ValueError(f"max_hits is {max_hits}, and has to be 1 to 2147483647")
     return max_hits
-

@@ -18,14 +18,16 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from raywarp import _libraries
 from raywarp._arrays import array, floats
 from raywarp._scene import Scene
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
 
 
 class Array(np.ndarray[Any, np.dtype[Any]]):

@@ -14,15 +14,16 @@ trimesh itself is not needed: anything with `vertices` and `faces` is a mesh. Wh
 
 from __future__ import annotations
 
-from typing import Any, Optional
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
-import numpy.typing as npt
 
 from raywarp._scene import Scene
 
-Doubles = npt.NDArray[np.float64]
-Longs = npt.NDArray[np.int64]
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from raywarp._types import Doubles, Longs
 
 
 class RayMeshIntersector:

@@ -22,7 +22,11 @@ use crate::scene::Scene;
 #[pyclass(frozen, module = "raywarp._raywarp")]
 pub struct DeviceArray {
     memory: Arc<Memory>,
+    /// Items from the beginning of the memory.
+    first: usize,
     shape: Vec<i64>,
+    /// Items from one to the next, along each axis.
+    strides: Vec<i64>,
     kind: Kind,
     /// On which it is written.
     stream: CallStream,
@@ -37,7 +41,8 @@ enum Kind {
 
 struct Memory {
     device: Device,
-    words: Buffer<u32>,
+    /// Until it is dropped.
+    words: Option<Buffer<u32>>,
     address: usize,
     /// Where the hits of each ray begin and end, if that is what it holds: how many rays and hits.
     offsets: Option<(usize, usize)>,
@@ -49,6 +54,8 @@ impl Drop for Memory {
     fn drop(&mut self) {
         // Nobody says when the last kernel is done that uses it, so all are waited for. Of a device that fails nothing can be learned.
         let _ = self.device.synchronize();
+        let words = self.words.take();
+        let _ = self.device.restoring_context(|| drop(words));
     }
 }
 
@@ -105,8 +112,8 @@ impl DeviceArray {
         }
         let device = scene.device();
         let stream = CallStream::new(device, stream);
-        let offsets =
-            words.filter(|words| words.is_sorted()).and_then(|words| Some((words.len() - 1, *words.last()? as usize)));
+        let last = words.filter(|words| words.is_sorted()).and_then(<[u32]>::split_last);
+        let offsets = last.map(|(&last, before)| (before.len(), last as usize));
         let made = device.restoring_context(|| {
             let mut words = match words {
                 Some(words) => device.upload(words),
@@ -114,10 +121,12 @@ impl DeviceArray {
             }?;
             stream.stream.follow()?;
             let address = if count == 0 { 0 } else { words.view_mut().shared(0) as usize };
-            Ok(Memory { device: device.clone(), words, address, offsets, _holds: holds })
+            Ok(Memory { device: device.clone(), words: Some(words), address, offsets, _holds: holds })
         });
         let memory = made.and_then(|made| made).map_err(|error| errors::of_device(&error))?;
-        Ok(Self { memory: Arc::new(memory), shape: shape.iter().map(|&len| len as i64).collect(), kind, stream })
+        let strides = (0..shape.len()).map(|axis| shape[axis + 1..].iter().product::<usize>() as i64).collect();
+        let shape = shape.iter().map(|&len| len as i64).collect();
+        Ok(Self { memory: Arc::new(memory), first: 0, shape, strides, kind, stream })
     }
 
     /// The same memory as another type of the same size.
@@ -126,7 +135,25 @@ impl DeviceArray {
         if kind.words() != self.kind.words() {
             return Err(PyTypeError::new_err("the types have different sizes"));
         }
-        Ok(Self { memory: Arc::clone(&self.memory), shape: self.shape.clone(), kind, stream: self.stream.clone() })
+        Ok(Self { kind, ..self.again() })
+    }
+
+    /// Some of the last axis: from one on so many, or that one alone.
+    #[pyo3(signature = (first, count=None))]
+    fn columns(&self, first: usize, count: Option<usize>) -> PyResult<Self> {
+        let (Some((&columns, shape)), Some((&step, strides))) = (self.shape.split_last(), self.strides.split_last())
+        else {
+            return Err(PyValueError::new_err("a single number has no columns"));
+        };
+        if (first + count.unwrap_or(1)) as i64 > columns {
+            return Err(PyValueError::new_err(format!("there are {columns} columns")));
+        }
+        let (mut shape, mut strides) = (shape.to_vec(), strides.to_vec());
+        if let Some(count) = count {
+            shape.push(count as i64);
+            strides.push(step);
+        }
+        Ok(Self { first: self.first + first * step as usize, shape, strides, ..self.again() })
     }
 
     #[getter]
@@ -156,8 +183,10 @@ impl DeviceArray {
         let interface = PyDict::new(py);
         interface.set_item("shape", pyo3::types::PyTuple::new(py, &self.shape)?)?;
         interface.set_item("typestr", self.kind.text())?;
-        interface.set_item("data", (self.memory.address, false))?;
-        interface.set_item("strides", py.None())?;
+        let size = 4 * self.kind.words();
+        interface.set_item("data", (self.address(), false))?;
+        let strides = self.strides.iter().map(|&items| items * size as i64);
+        interface.set_item("strides", pyo3::types::PyTuple::new(py, strides.collect::<Vec<_>>())?)?;
         interface.set_item("stream", self.stream.handle.max(1))?;
         interface.set_item("version", 3)?;
         Ok(interface)
@@ -167,17 +196,32 @@ impl DeviceArray {
 impl DeviceArray {
     /// Where the hits of so many rays begin and end, and how many hits there are.
     pub fn offsets(&self, rays: usize) -> PyResult<(View<u32>, usize)> {
-        match self.memory.offsets {
-            Some((count, hits)) if count == rays && self.kind == Kind::Int32 => Ok((self.memory.words.view(), hits)),
+        match (self.memory.offsets, &self.memory.words) {
+            (Some((count, hits)), Some(words)) if count == rays && self.kind == Kind::Int32 => Ok((words.view(), hits)),
             _ => Err(PyValueError::new_err("the array does not say where the hits of each ray are")),
         }
     }
 
+    /// The same.
+    fn again(&self) -> Self {
+        let Self { memory, first, shape, strides, kind, stream } = self;
+        let (shape, strides) = (shape.clone(), strides.clone());
+        Self { memory: Arc::clone(memory), first: *first, shape, strides, kind: *kind, stream: stream.clone() }
+    }
+
+    /// Of the first item; 0 where there is none.
+    fn address(&self) -> usize {
+        match self.shape.contains(&0) {
+            true => 0,
+            false => self.memory.address + 4 * self.kind.words() * self.first,
+        }
+    }
+
     fn managed<M: ManagedTensorBase>(&self) -> PyResult<Managed<M>> {
-        let prepared = Dynamic::compact(self.shape.as_slice()).prepare_as::<M>();
+        let prepared = Dynamic::new(self.shape.as_slice(), self.strides.as_slice()).prepare_as::<M>();
         let prepared = prepared.map_err(|error| PyBufferError::new_err(error.to_string()))?;
         let mut tensor = prepared.initialize(Arc::clone(&self.memory));
-        tensor.set_data(self.memory.address as *mut c_void).set_dtype(self.kind.dlpack()).set_device(self.device());
+        tensor.set_data(self.address() as *mut c_void).set_dtype(self.kind.dlpack()).set_device(self.device());
         // SAFETY: as many items lie there as the shape says, for as long as the tensor holds the memory.
         Ok(unsafe { tensor.finish() })
     }

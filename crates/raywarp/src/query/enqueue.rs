@@ -15,6 +15,7 @@ use raywarp_core::traversal::QuantizedBvh2;
 use raywarp_core::view::{View, ViewMut};
 use raywarp_device::kernels::{Launchable, Views};
 
+use super::launch::threads_and_warps;
 use super::{Coherence, QueryError, RayCaster};
 use crate::device::{Buffer, Device, DeviceError, Stream};
 use crate::scene::Transform;
@@ -133,15 +134,17 @@ impl Enqueuer {
         question: Question,
         coherence: Coherence,
     ) -> Result<(), QueryError> {
-        let structure = self.caster.structure();
+        let (device, structure) = (self.caster.device(), self.caster.structure());
         let persistent = self.persistent.as_ref().filter(|_| coherence == Coherence::Incoherent);
         let (kernel, threads): (Box<dyn Launchable>, u32) = match (question, persistent) {
             (Question::Closest(hits), Some(launch)) => {
-                let (taken, (threads, warps)) = (launch.numbers(stream, handle)?, launch.size(0, rays, &self.caster));
+                let (taken, (threads, warps)) =
+                    (launch.numbers(stream, handle)?, threads_and_warps(device, launch.threads[0], rays));
                 (Box::new(Persistent::<ClosestHit> { tree: launch.tree, rays, answers: hits, taken, warps }), threads)
             }
             (Question::Any(blocked), Some(launch)) => {
-                let (taken, (threads, warps)) = (launch.numbers(stream, handle)?, launch.size(1, rays, &self.caster));
+                let (taken, (threads, warps)) =
+                    (launch.numbers(stream, handle)?, threads_and_warps(device, launch.threads[1], rays));
                 (Box::new(Persistent::<AnyHit> { tree: launch.tree, rays, answers: blocked, taken, warps }), threads)
             }
             (Question::Closest(hits), None) => (structure.closest(rays, hits), rays.len()),
@@ -178,13 +181,6 @@ impl PersistentLaunch {
         let threads = [resident::<Persistent<ClosestHit>>(device)?, resident::<Persistent<AnyHit>>(device)?];
         let buffer = device.zeroed(NUMBERS * LAUNCHES)?;
         Ok(Self { tree, threads, numbers: Mutex::new(Numbers { buffer, of_streams: HashMap::new(), used: 0 }) })
-    }
-
-    /// Threads and warps for a batch.
-    fn size(&self, question: usize, rays: View<Ray>, caster: &RayCaster) -> (u32, u32) {
-        let (warp, _) = caster.device().warp_and_block();
-        let threads = self.threads[question].min(rays.len().div_ceil(warp) * warp);
-        (threads, threads.div_ceil(warp))
     }
 
     /// Counters that no other launch has that may be under way: those of a stream run one after the other, and a graph may be

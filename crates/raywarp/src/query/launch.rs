@@ -114,9 +114,16 @@ pub fn persistent<Q: Query>(
 where
     Persistent<Q>: Kernel,
 {
-    let (warp, _) = device.warp_and_block();
-    let threads = device.resident_threads::<Persistent<Q>>()?.min(rays.len().div_ceil(warp) * warp);
-    Ok((Persistent { tree, rays, answers, taken: numbers.view_mut(), warps: threads.div_ceil(warp) }, threads))
+    let (threads, warps) = threads_and_warps(device, device.resident_threads::<Persistent<Q>>()?, rays);
+    Ok((Persistent { tree, rays, answers, taken: numbers.view_mut(), warps }, threads))
+}
+
+/// Threads and warps for a batch, of as many threads as the device holds. Blocks are whole: the last of all warps that there are leaves
+/// the counters at zero.
+pub fn threads_and_warps(device: &Device, resident: u32, rays: View<Ray>) -> (u32, u32) {
+    let (warp, block) = device.warp_and_block();
+    let threads = resident.min(rays.len().div_ceil(block).saturating_mul(block));
+    (threads, threads.div_ceil(warp))
 }
 
 struct Batch<'a> {
