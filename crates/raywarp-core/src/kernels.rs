@@ -458,6 +458,7 @@ macro_rules! for_each_other_kernel {
             gather_rays: $crate::gather::GatherRays,
             reshape: $crate::refit::Reshape,
             refit: $crate::refit::Refit,
+            find_parents: $crate::refit::FindParents,
             survey_triangles: $crate::build::survey::Survey,
             morton_codes: $crate::build::morton::MortonCodes,
             count_digits: $crate::build::radix_sort::CountDigits,

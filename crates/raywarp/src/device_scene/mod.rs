@@ -41,14 +41,13 @@ use std::time::Instant;
 use raywarp_core::light::Light;
 use raywarp_core::surface;
 
-use crate::accel::Build;
+use crate::accel::{Build, Refitting};
 use crate::device::{Buffer, Device};
 use crate::render::default_camera;
 use crate::render::path::PathSource;
 use crate::scene::{Camera, Scene};
 use crate::Triangle;
 use arrange::Arranged;
-use changes::NodesByDepth;
 pub(crate) use flatten::{check_instance, check_mesh, flags_of, Flat};
 use lighting::Ambient;
 pub(crate) use lighting::Lighting;
@@ -85,7 +84,7 @@ pub(crate) struct Appearance {
     /// Of the triangles of each material.
     flags: Vec<u32>,
     /// Of the structure, once something has moved.
-    levels: Option<NodesByDepth>,
+    refitting: Option<Refitting>,
 }
 
 impl DeviceScene {
@@ -194,7 +193,7 @@ impl Appearance {
             instances: flat.instances,
             vertices: flat.vertices,
             flags: scene.materials.iter().map(flags_of).collect(),
-            levels: None,
+            refitting: None,
         })
     }
 
