@@ -127,10 +127,9 @@ SCENES = {
 def scene(floor, box, lights):
     camera = T().look_at(origin=[3, 2.2, 3.5], target=[0, 0.5, 0], up=[0, 1, 0])
     film = {"type": "hdrfilm", "width": SIDE, "height": SIDE, "rfilter": {"type": "box"}, "pixel_format": "rgb", "component_format": "float32"}
-    nested = {"type": "path", "max_depth": DEPTH, "rr_depth": 1000}
     whole = {
         "type": "scene",
-        "integrator": {"type": "moment", "nested": nested},
+        "integrator": {"type": "path", "max_depth": DEPTH, "rr_depth": 1000},
         "sensor": {"type": "perspective", "fov": 40, "fov_axis": "y", "to_world": camera, "film": film},
         "floor": {"type": "rectangle", "to_world": T().rotate([1, 0, 0], -90).scale(2), "bsdf": floor},
         "box": {"type": "cube", "to_world": T().translate([-0.4, 0.55, 0.2]).rotate([0, 1, 0], 30).scale(0.5), "bsdf": box},
@@ -140,20 +139,22 @@ def scene(floor, box, lights):
     return mi.load_dict(whole)
 
 
+# Runs of which a scene has a mean each: they tell the variance.
+RUNS = 64
+
+
 def main(folder, samples):
     os.makedirs(folder, exist_ok=True)
     for name, parts in SCENES.items():
-        sums = 0
-        runs = max(samples // 1024, 1)
-        for seed in range(runs):
-            sums = sums + np.array(mi.render(scene(*parts), spp=min(samples, 1024), seed=seed), dtype=np.float64)
-        picture = sums / runs
-        mean, second = picture[..., :3], picture[..., -3:]
-        both = np.concatenate([mean, np.maximum(second - mean * mean, 0)], -1).astype(np.float32)
+        loaded = scene(*parts)
+        spp = max(samples // RUNS, 1)
+        runs = [np.array(mi.render(loaded, spp=spp, seed=seed), dtype=np.float64) for seed in range(RUNS)]
+        mean, variance = np.mean(runs, 0), np.var(runs, 0, ddof=1) * spp
+        both = np.concatenate([mean, variance], -1).astype(np.float32)
         names = ["R", "G", "B", "vR", "vG", "vB"]
         bitmap = mi.Bitmap(both, pixel_format=mi.Bitmap.PixelFormat.MultiChannel, channel_names=names)
         bitmap.write(os.path.join(folder, name + ".exr"))
-        print(name, mean.mean((0, 1)), picture.shape, flush=True)
+        print(name, mean.mean((0, 1)), flush=True)
 
 
-main(sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 4096)
+main(sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 8192)
