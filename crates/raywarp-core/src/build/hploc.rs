@@ -55,6 +55,12 @@ impl Range {
     fn is_small(&self) -> bool {
         self.last - self.first < KEPT && !self.whole
     }
+
+    /// Whether one of the parts has a list of clusters.
+    #[inline(always)]
+    fn has_list(&self) -> bool {
+        self.middle - self.first >= KEPT || self.last - self.middle > KEPT
+    }
 }
 
 impl Hploc {
@@ -109,6 +115,9 @@ impl Hploc {
     /// Merges the clusters of a range until few are left, or one of all. All threads of the warp are here.
     #[inline(always)]
     fn reduce(&self, range: &Range) {
+        if range.has_list() {
+            self.meet();
+        }
         let mut clusters = self.of_both_parts(range);
         let left = if range.whole { 1 } else { KEPT };
         while clusters.count > left {
@@ -121,7 +130,13 @@ impl Hploc {
         if !range.whole {
             self.keep(range, &clusters);
         }
-        arch::publish();
+        self.meet();
+    }
+
+    /// Between what was written before threads met at a gap and what is read after.
+    #[inline(always)]
+    fn meet(&self) {
+        arch::fence();
         // SAFETY: all threads of the warp are here.
         unsafe { arch::syncwarp(ALL) };
     }
