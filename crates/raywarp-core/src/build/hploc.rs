@@ -1,8 +1,8 @@
 //! Merges sorted triangles into a binary tree: hierarchical parallel locally-ordered clustering (Benthin and others 2024).
 //!
 //! The ranges are those of a linear hierarchy over the codes, climbed from the triangles up as Apetrei (2014) does it: of the
-//! two threads that come to the gap between two ranges the second goes on with both. Where a range has more than
-//! [`KEPT`] triangles, the warp merges its clusters until so many are left, which wait in a list for the range above.
+//! two threads that come to the gap between two ranges the second goes on with both. Where a range has more than 16
+//! triangles, the warp merges its clusters until so many are left, which wait in a list for the range above.
 //!
 //! Who comes second depends on the time, but not what is done then: it is a function of the two ranges. A node has the number
 //! of the cluster that it takes in on the right, which is that cluster's for good, so numbers need no counter.
