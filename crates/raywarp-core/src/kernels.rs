@@ -465,6 +465,7 @@ macro_rules! for_each_other_kernel {
             scan_digits: $crate::build::radix_sort::ScanDigits,
             scatter_digits: $crate::build::radix_sort::ScatterDigits,
             hploc: $crate::build::hploc::Hploc,
+            find_subtrees: $crate::build::subtrees::FindSubtrees,
             emit_nodes: $crate::build::emit::EmitNodes,
             gather_triangles: $crate::build::gather::GatherTriangles,
             camera_rays: $crate::wavefront::CameraRays,

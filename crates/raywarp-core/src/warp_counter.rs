@@ -14,6 +14,12 @@ impl WarpCounter {
         Self(numbers.shared(index))
     }
 
+    /// The number at an address, which nothing but tallies touch during the launch.
+    #[inline(always)]
+    pub fn at(number: *mut u32) -> Self {
+        Self(number)
+    }
+
     /// One thread of the warp adds; all get what the number was. All threads of the warp are here.
     #[inline(always)]
     pub fn take(&self, count: u32) -> u32 {

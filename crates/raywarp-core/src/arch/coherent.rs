@@ -1,7 +1,7 @@
 //! What threads of a launch tell each other by memory: who comes second sees what who came first has written.
 
 /// Puts a number in the place of another; what was there. Whoever reads what another thread put here also sees, by
-/// [`load_coherent`], what that thread had written before.
+/// [`load_coherent`], what that thread had written before, if each of the two comes by a [`fence`] in between.
 ///
 /// # Safety
 /// `number` is valid for the launch, in which only this touches it.
@@ -12,7 +12,7 @@ pub unsafe fn exchange(number: *mut u32, new: u32) -> u32 {
         let before: u32;
         // SAFETY: the caller's promise.
         unsafe {
-            core::arch::asm!("atom.acq_rel.gpu.global.exch.b32 {r}, [{p}], {v};", r = out(reg32) before,
+            core::arch::asm!("atom.relaxed.gpu.global.exch.b32 {r}, [{p}], {v};", r = out(reg32) before,
                 p = in(reg64) number, v = in(reg32) new, options(nostack));
         }
         before
@@ -43,9 +43,10 @@ pub unsafe fn arrive(number: *mut u32) -> u32 {
     unsafe { core::sync::atomic::AtomicU32::from_ptr(number) }.fetch_add(1, core::sync::atomic::Ordering::AcqRel)
 }
 
-/// Makes what this thread wrote visible to whoever learns of it by a later [`exchange`] of its warp.
+/// Keeps what this thread writes and reads before apart from what it does after, in the eyes of all others; a CPU does so
+/// where it [exchanges](exchange).
 #[inline(always)]
-pub fn publish() {
+pub fn fence() {
     #[cfg(target_arch = "nvptx64")]
     // SAFETY: has no precondition.
     unsafe {

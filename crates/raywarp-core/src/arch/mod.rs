@@ -8,7 +8,7 @@ mod shared_slots;
 mod warp;
 
 pub use block::{barrier, sums, Block, SharedWords, BLOCK, THREADS, WARPS};
-pub use coherent::{arrive, exchange, load_coherent, load_word_coherent, publish, raise};
+pub use coherent::{arrive, exchange, fence, load_coherent, load_word_coherent, raise};
 pub use lanes::{in_each_lane, lanes_where, Lanes, Shuffle, LANES};
 pub use links::{Links, Meeting};
 pub use shared_slots::SharedSlots;

@@ -83,7 +83,8 @@ impl Clusters {
     fn nearest(&self) -> Lanes<u32> {
         let own = Sides::of(&self.lanes);
         let mut best = Lanes::<u32>::each(|_| NONE);
-        for by in 1..=RADIUS {
+        let mut by = 1;
+        while by <= RADIUS {
             let other = own.later(by);
             let forwards = Lanes::<u32>::each(|lane| {
                 let key = key(own.area_with(&other, lane), lane, lane + by);
@@ -98,6 +99,7 @@ impl Clusters {
                 let back = if lane >= by { backwards.of(lane) } else { NONE };
                 best.of(lane).min(forwards.of(lane)).min(back)
             });
+            by += 1;
         }
         best
     }

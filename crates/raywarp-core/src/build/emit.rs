@@ -9,7 +9,7 @@ use core::mem::MaybeUninit;
 use super::bounds::Bounds;
 use super::node::{Below, Link, Node};
 use super::quantize::quantize;
-use super::survey::Findings;
+use super::subtrees::MOST;
 use super::MAX_LEAF;
 use crate::kernels::Thread;
 use crate::math::Vec3;
@@ -18,10 +18,7 @@ use crate::traversal::bvh2_quantized::{self, Grid};
 use crate::triangle::Triangle;
 use crate::view::{View, ViewMut};
 
-/// Most nodes of a subtree that one thread writes.
-const SUBTREE: u32 = 16;
-
-/// Writes the nodes and the order of the triangles, one thread a node of the binary tree.
+/// Writes the nodes and the order of the triangles, one thread a subtree.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct EmitNodes {
@@ -29,8 +26,8 @@ pub struct EmitNodes {
     pub tree: View<Node>,
     /// As given.
     pub triangles: View<Triangle>,
-    /// One.
-    pub findings: View<Findings>,
+    /// Numbers of the nodes where threads begin.
+    pub subtrees: View<u32>,
     /// Codes in ascending order, and which triangle each is of.
     pub sorted: View<[u32; 2]>,
     /// Around the root, for the small nodes.
@@ -61,18 +58,15 @@ struct Part {
 impl EmitNodes {
     #[inline(always)]
     pub(crate) fn run(&self, thread: Thread) {
-        let count = self.findings.item(0).hittable(self.triangles.len());
-        if thread.x >= count {
+        if thread.x >= self.subtrees.len() {
             return;
         }
-        let node = self.tree.load(thread.x);
-        if thread.x == 0 && node.nodes == 0 {
+        let number = self.subtrees.at(thread.x);
+        let node = self.tree.load(number);
+        if node.nodes == 0 {
             return self.root_of_one_leaf(&node);
         }
-        let begins = node.nodes > SUBTREE || thread.x == 0 || self.tree.item(node.parent).nodes > SUBTREE;
-        if node.nodes > 0 && begins {
-            self.subtree(thread.x, self.place(thread.x, &node));
-        }
+        self.subtree(number, self.place(number, &node));
     }
 
     /// Up to the root: what comes before the node.
@@ -94,7 +88,7 @@ impl EmitNodes {
     /// Writes a node, and all below it if they are few: else others do.
     #[inline(always)]
     fn subtree(&self, number: u32, place: Place) {
-        let mut open = [const { MaybeUninit::<(u32, Place)>::uninit() }; SUBTREE as usize + 1];
+        let mut open = [const { MaybeUninit::<(u32, Place)>::uninit() }; MOST as usize + 1];
         let mut count = 0;
         let mut next = Some((number, place));
         while let Some((number, place)) = next {
@@ -108,7 +102,7 @@ impl EmitNodes {
                 [first.bounds, second.bounds],
                 [self.child(&first, first_place), self.child(&second, second_place)],
             );
-            let is_small = node.nodes <= SUBTREE;
+            let is_small = node.nodes <= MOST;
             next = None;
             if is_small && second.below.nodes > 0 {
                 next = Some((second.link.index(), second_place));

@@ -1,8 +1,8 @@
 //! Merges sorted triangles into a binary tree: hierarchical parallel locally-ordered clustering (Benthin and others 2024).
 //!
 //! The ranges are those of a linear hierarchy over the codes, climbed from the triangles up as Apetrei (2014) does it: of the
-//! two threads that come to the gap between two ranges the second goes on with both. Where a range has more than
-//! [`KEPT`] triangles, the warp merges its clusters until so many are left, which wait in a list for the range above.
+//! two threads that come to the gap between two ranges the second goes on with both. Where a range has more than 16
+//! triangles, the warp merges its clusters until so many are left, which wait in a list for the range above.
 //!
 //! Who comes second depends on the time, but not what is done then: it is a function of the two ranges. A node has the number
 //! of the cluster that it takes in on the right, which is that cluster's for good, so numbers need no counter.
@@ -54,6 +54,12 @@ impl Range {
     #[inline(always)]
     fn is_small(&self) -> bool {
         self.last - self.first < KEPT && !self.whole
+    }
+
+    /// Whether one of the parts has a list of clusters.
+    #[inline(always)]
+    fn has_list(&self) -> bool {
+        self.middle - self.first >= KEPT || self.last - self.middle > KEPT
     }
 }
 
@@ -109,6 +115,9 @@ impl Hploc {
     /// Merges the clusters of a range until few are left, or one of all. All threads of the warp are here.
     #[inline(always)]
     fn reduce(&self, range: &Range) {
+        if range.has_list() {
+            self.meet();
+        }
         let mut clusters = self.of_both_parts(range);
         let left = if range.whole { 1 } else { KEPT };
         while clusters.count > left {
@@ -121,7 +130,13 @@ impl Hploc {
         if !range.whole {
             self.keep(range, &clusters);
         }
-        arch::publish();
+        self.meet();
+    }
+
+    /// Between what was written before threads met at a gap and what is read after.
+    #[inline(always)]
+    fn meet(&self) {
+        arch::fence();
         // SAFETY: all threads of the warp are here.
         unsafe { arch::syncwarp(ALL) };
     }

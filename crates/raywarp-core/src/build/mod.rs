@@ -2,8 +2,8 @@
 //!
 //! The way of a triangle: [`survey`] finds which can be hit and where their centres lie, [`morton`] gives each a code along a
 //! curve through space, [`radix_sort`] puts them in its order, [`hploc`] merges neighbours into a binary tree with one
-//! triangle a leaf and decides which subtrees become leaves, [`emit`] writes the nodes that traversal reads, depth first,
-//! and [`gather`] the triangles in the order of the leaves.
+//! triangle a leaf and decides which subtrees become leaves, [`subtrees`] shares these out to threads, [`emit`] writes the
+//! nodes that traversal reads, depth first, and [`gather`] the triangles in the order of the leaves.
 //!
 //! The tree is a function of the triangles and their order: no counter gives out numbers, every tie is decided by places in
 //! the sorted order, and what is reduced by atomics are the least and the largest of integers. So both machines, and any
@@ -19,6 +19,7 @@ pub mod morton;
 pub mod node;
 pub mod quantize;
 pub mod radix_sort;
+pub mod subtrees;
 pub mod survey;
 #[cfg(test)]
 mod tests;
@@ -26,7 +27,7 @@ mod tests;
 use crate::arch;
 
 /// Items that a block works on, in kernels that give each block a run of them.
-pub const TILE: u32 = 4096;
+pub const TILE: u32 = 1024;
 
 /// Items of a run that each thread has.
 const ITEMS: u32 = TILE / arch::THREADS;

@@ -54,8 +54,10 @@ pub struct Findings {
     pub not_finite: u32,
     /// Other triangles whose corners coincide or lie on a line.
     pub without_area: u32,
+    /// Subtrees that a thread each writes, see [`FindSubtrees`](super::subtrees::FindSubtrees).
+    pub subtrees: u32,
     /// Makes 64 bytes.
-    pub unused: [u32; 2],
+    pub unused: u32,
 }
 
 const _: () = assert!(size_of::<Findings>() == 64);

@@ -7,6 +7,7 @@ use super::hploc::Hploc;
 use super::morton::{MortonCodes, LAST};
 use super::node::Node;
 use super::radix_sort::{CountDigits, ScanDigits, ScatterDigits, BITS, DIGITS};
+use super::subtrees::FindSubtrees;
 use super::survey::{Findings, Survey};
 use super::TILE;
 use crate::arch::BLOCK;
@@ -81,19 +82,28 @@ fn build(given: &[Triangle], turn: u32) -> Tree {
         merged[0],
         bvh2::Node { low: [Vec3::ZERO; 2], high: [Vec3::ZERO; 2], children: [Child::leaf(0, 1); 2], unused: [0; 2] },
     );
+    let mut subtrees = vec![0; count];
+    let find = FindSubtrees {
+        tree: view(&merged),
+        given: threads,
+        findings: view_mut(&mut found),
+        subtrees: view_mut(&mut subtrees),
+    };
+    launch(&find, threads, turn);
+    subtrees.truncate(found[0].subtrees as usize);
     let mut full = vec![nothing; root.nodes.max(1) as usize];
     let mut order = vec![0; root.count as usize];
     let emit = EmitNodes {
         tree: view(&merged),
         triangles,
-        findings,
+        subtrees: view(&subtrees),
         sorted: in_order,
         grid: Grid { base: Vec3::ZERO, scale: Vec3::ONE },
         full: view_mut(&mut full),
         small: ViewMut::EMPTY,
         order: view_mut(&mut order),
     };
-    launch(&emit, threads, turn);
+    launch(&emit, subtrees.len() as u32, turn);
     let mut ordered = vec![given[0]; order.len()];
     launch(&GatherTriangles { triangles, order: view(&order), ordered: view_mut(&mut ordered) }, root.count, turn);
     Tree { found: found[0], merged, full, triangles: ordered }

@@ -7,8 +7,8 @@
 //!
 //! Where meshes are placed many times, [`two_level`] keeps each once, with a tree over the placements.
 //!
-//! A fast [`bvh2`] is built by [`hploc`], on a device or here. One of quality goes through a binary tree with one triangle a leaf: built from the top, with spatial splits
-//! where they pay, made better by reinsertion, and collapsed.
+//! A fast [`bvh2`] is built by [`hploc`], on a device or here. One of quality goes through a binary tree with one triangle
+//! a leaf: built from the top, with spatial splits where they pay, made better by reinsertion, and collapsed.
 //!
 //! The structures are those of [`traversal`], owned by the host. Traced on the CPU or copied to a
 //! device as they are ([`Resident`]), they give the same hits: those of brute force. Structures of others join by the same trait.

@@ -7,9 +7,9 @@ use raywarp_core::build::hploc::Hploc;
 use raywarp_core::build::morton::MortonCodes;
 use raywarp_core::build::node::Node;
 use raywarp_core::build::radix_sort::{CountDigits, ScanDigits, ScatterDigits, BITS, DIGITS};
-use raywarp_core::build::survey::Survey;
+use raywarp_core::build::subtrees::FindSubtrees;
+use raywarp_core::build::survey::{Findings, Survey};
 use raywarp_core::kernels::Kernel;
-use raywarp_core::traversal::bvh2_quantized::Grid;
 use raywarp_device::kernels::Views;
 
 use super::scratch::{runs, Scratch};
@@ -40,7 +40,15 @@ pub(super) fn merge(device: &Device, scratch: &mut Scratch, triangles: &Buffer<T
         lists: scratch.lists.view_mut(),
         nodes: scratch.nodes.view_mut(),
     };
-    in_threads(device, &hploc, count)
+    in_threads(device, &hploc, count)?;
+    // The lists of clusters have done their work.
+    let find = FindSubtrees {
+        tree: scratch.nodes.view(),
+        given: count,
+        findings: scratch.findings.view_mut(),
+        subtrees: scratch.lists.view_mut(),
+    };
+    in_threads(device, &find, count)
 }
 
 /// Sorts the first `count` pairs; there is an even number of digits, so the last array that is written is the first one.
@@ -66,7 +74,7 @@ pub(super) fn emit(
     scratch: &mut Scratch,
     triangles: &Buffer<Triangle>,
     sizes: NodeSizes,
-    root: &Node,
+    (found, root): &(Findings, Node),
 ) -> Result<DeviceTree, BuildError> {
     let grid = bvh2_quantized::grid(&Bounds { low: root.low.to_array(), high: root.high.to_array() });
     let (nodes, count) = (root.nodes.max(1) as usize, root.count as usize);
@@ -74,7 +82,7 @@ pub(super) fn emit(
     device.reserve(bytes, "the tree")?;
     let mut tree = DeviceTree::reserve(device, nodes, count, sizes, grid, stats_of(root, bytes))?;
     tree.reach = reach(root);
-    write_nodes(device, scratch, triangles, &mut tree, grid)?;
+    write_nodes(device, scratch, triangles, &mut tree, found.subtrees)?;
     let order = scratch.order.view();
     let gather = GatherTriangles { triangles: triangles.view(), order, ordered: tree.triangles.view_mut() };
     in_threads(device, &gather, count as u32)?;
@@ -86,19 +94,19 @@ fn write_nodes(
     scratch: &mut Scratch,
     triangles: &Buffer<Triangle>,
     tree: &mut DeviceTree,
-    grid: Grid,
+    subtrees: u32,
 ) -> Result<(), DeviceError> {
     let emit = EmitNodes {
         tree: scratch.nodes.view(),
         triangles: triangles.view(),
-        findings: scratch.findings.view(),
+        subtrees: scratch.lists.view().part(0, subtrees),
         sorted: scratch.pairs[0].view(),
-        grid,
+        grid: tree.grid,
         full: tree.full.view_mut(),
         small: tree.small.view_mut(),
         order: scratch.order.view_mut(),
     };
-    in_threads(device, &emit, triangles.len())
+    in_threads(device, &emit, subtrees)
 }
 
 /// See [`Bvh2::reach`](crate::accel::bvh2::Bvh2::reach).

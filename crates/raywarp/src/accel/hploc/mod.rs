@@ -105,16 +105,17 @@ impl TreeBuilder {
         }
         self.scratch.clear()?;
         launches::merge(&self.device, &mut self.scratch, triangles)?;
-        let (found, root) = self.scratch.outcome()?;
+        let outcome = self.scratch.outcome()?;
+        let (found, root) = &outcome;
         let depth = root.below().height() as usize;
         if found.hittable(triangles.len()) == 0 {
-            return self.on_host(triangles, sizes, &found, None);
+            return self.on_host(triangles, sizes, found, None);
         }
         if depth > MAX_DEPTH {
-            return self.on_host(triangles, sizes, &found, Some(depth));
+            return self.on_host(triangles, sizes, found, Some(depth));
         }
-        let tree = launches::emit(&self.device, &mut self.scratch, triangles, sizes, &root)?;
-        Ok(built(tree, &found, None))
+        let tree = launches::emit(&self.device, &mut self.scratch, triangles, sizes, &outcome)?;
+        Ok(built(tree, found, None))
     }
 
     /// What there is no kernel for: nothing at all, and what is too deep.
