@@ -33,7 +33,7 @@ const SCENES: [&str; 6] = ["obj", "ply", "stl", "gltf", "glb", "toml"];
 
 /// Flags as people guess them, and what to write instead, which begins with a flag of raywarp. Those for the options of
 /// rendering are in the schema.
-const GUESSES: [(&[&str], &str); 22] = [
+const GUESSES: [(&[&str], &str); 23] = [
     (&["look-at", "lookat", "at", "center", "centre", "look", "focus"], "--target 0,1,0"),
     (&["from", "position", "pos", "origin", "camera-position", "look-from", "cam-pos"], "--eye 3,2,5"),
     (&["cam", "camera-index"], "--camera NAME"),
@@ -41,6 +41,7 @@ const GUESSES: [(&[&str], &str); 22] = [
     (&["fovy", "vfov", "angle", "field-of-view"], "--fov 40"),
     (&["orthographic", "parallel"], "--ortho 2.5"),
     (&["bg", "bg-color", "background-color", "background-colour", "sky"], "--background COLOUR"),
+    (&["env", "environment", "env-map", "envmap", "hdr", "ibl", "skybox", "sky-map"], "--hdri FILE"),
     (&["transparent", "transparency", "no-background", "film-transparent"], "--background none"),
     (&["side", "direction", "camera-direction", "front", "top", "isometric"], "--view front"),
     (&["yaw", "heading", "camera-azimuth-angle", "theta"], "--azimuth 30"),

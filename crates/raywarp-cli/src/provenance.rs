@@ -8,7 +8,7 @@ use raywarp::image::{Layer, Provenance};
 use raywarp::scene::{axis_name, degrees, Camera, Projection, RenderDefaults};
 use xxhash_rust::xxh3::{xxh3_128, Xxh3};
 
-use crate::options;
+use crate::options::{self, EnvironmentOptions};
 use crate::values::Backdrop;
 
 /// The program, as its files name it.
@@ -26,6 +26,8 @@ pub struct Origin<'a> {
     pub crop: Option<[u32; 4]>,
     /// Instead of the scene's own.
     pub background: Option<Backdrop>,
+    /// Instead of the scene's own.
+    pub environment: &'a EnvironmentOptions,
     /// Which way is up in the scene, if that is not +Y.
     pub scene_up: Option<[f32; 3]>,
     /// From where.
@@ -55,7 +57,8 @@ impl Origin<'_> {
         let crop = self.crop.map(|[x0, y0, x1, y1]| format!(" --crop {x0},{y0},{x1},{y1}")).unwrap_or_default();
         let background = self.background.map(|color| format!(" --background={color}")).unwrap_or_default();
         let (settings, camera) = (options::flags(&self.settings), camera_flags(self.camera, self.scene_up));
-        format!("{settings}{crop}{background} {camera}")
+        let environment = self.environment.flags();
+        format!("{settings}{crop}{background}{environment} {camera}")
     }
 }
 
@@ -121,6 +124,7 @@ mod tests {
             settings: RenderDefaults::usual(),
             crop: None,
             background: None,
+            environment: &EnvironmentOptions::default(),
             scene_up: None,
             camera: &camera,
             layers: &[],

@@ -7,7 +7,7 @@ use raywarp::accel::cache::Cache;
 use raywarp::accel::Build;
 use raywarp::device::Device;
 use raywarp::image::{Layers, Picture};
-use raywarp::render::{self, Progress, Rendering, Tracer};
+use raywarp::render::{self, Integrator, Progress, Rendering, Tracer};
 use raywarp::scene::settings::Part;
 use raywarp::scene::{load, Camera, LoadOptions, Loaded, RenderDefaults, Viewpoint};
 use raywarp::write::Outputs;
@@ -41,7 +41,7 @@ pub fn run(options: &RenderOptions) -> Result<()> {
 
     let start = Instant::now();
     let mut loaded = read(options.scene.as_deref(), options.strict, &mut outputs)?;
-    options.change(&mut loaded.scene);
+    options.change(&mut loaded, &mut outputs)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let overrides = options.settings(&loaded.scene);
     let region = limits::check(render::RenderOptions::from(&overrides).size, options, &plan)?;
@@ -105,7 +105,8 @@ fn say_notes(options: &RenderOptions, loaded: &Loaded, device: &Device, tracer: 
     let camera = &options.camera;
     let placed = camera.eye.is_some() && camera.target.is_some();
     let aimed = placed || camera.viewpoint().frames() || options.frames.path.is_some();
-    for note in tracer.report().notes.iter().filter(|note| !(aimed && note.contains("framed"))) {
+    let lighting = tracer.notes_of(options.settings(&loaded.scene).integrator());
+    for note in lighting.iter().chain(&tracer.report().notes).filter(|note| !(aimed && note.contains("framed"))) {
         messages::line(&format!("note: {note}"));
     }
     messages::fallback(device);
@@ -214,14 +215,15 @@ impl Taken {
 }
 
 impl Shot<'_> {
-    /// Takes it; where statistics are asked for, twice.
+    /// Takes it; where statistics are asked for, twice, unless its tests cannot be counted.
     pub fn take(&self, progress: &mut dyn FnMut(Progress)) -> Result<Taken> {
         // Counting costs time: where times are asked for, it gets a run of its own.
         let timed = self.setup.options.stats.is_some();
         let start = Instant::now();
         let rendering = self.render(self.plan.needs_tests() && !timed, progress)?;
         let seconds = start.elapsed().as_secs_f64();
-        let counted = timed.then(|| self.render(true, progress)).transpose()?;
+        let counts = timed && self.setup.overrides.integrator() == Integrator::Whitted;
+        let counted = counts.then(|| self.render(true, progress)).transpose()?;
         Ok(Taken { rendering, seconds, counted })
     }
 
@@ -260,6 +262,7 @@ impl Shot<'_> {
             ]),
             crop: self.setup.options.crop,
             background: self.setup.options.background,
+            environment: &self.setup.options.environment,
             scene_up: self.setup.loaded.scene.up,
             camera: self.camera,
             layers: self.plan.layers(),

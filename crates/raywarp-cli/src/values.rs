@@ -144,6 +144,16 @@ pub fn height(text: &str) -> Result<f32, String> {
     ranged(text, f32::MIN_POSITIVE, f32::MAX).ok_or_else(|| "give a height in scene units, more than 0".to_owned())
 }
 
+/// A turn in degrees.
+pub fn turn(text: &str) -> Result<f32, String> {
+    number(text, -360.0, 360.0, "degrees")
+}
+
+/// What radiance is multiplied by.
+pub fn factor(text: &str) -> Result<f32, String> {
+    number(text, 0.0, 1e6, "")
+}
+
 /// Seconds to measure for.
 pub fn seconds(text: &str) -> Result<f64, String> {
     ranged(text, 0.01, 3600.0).ok_or_else(|| "give a number of seconds from 0.01 to 3600".to_owned())

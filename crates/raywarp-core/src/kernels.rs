@@ -14,6 +14,7 @@ use crate::surface::Scene;
 use crate::traversal::query::{query, AnyHit, ClosestHit};
 use crate::traversal::{all, Keep, NullStatistics, RecordedStatistics, Stage, Structure, Uncollected, START};
 use crate::view::{View, ViewMut};
+use crate::wavefront::{Shadow, Visible};
 
 /// Which thread of a launch this is: column and row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -383,6 +384,8 @@ macro_rules! of_structures {
 }
 
 of_structures! {
+    "visible_": Visible<S>, "";
+    "shadow_": Shadow<S>, "";
     "whitted_": Whitted<S, C>, C::SUFFIX;
     "first_hits_": FirstHits<S>, "";
     "closest_": Closest<S>, "";
@@ -427,6 +430,14 @@ macro_rules! for_each_kernel {
             all_kd: $crate::kernels::All<$crate::traversal::KdTree>,
             all_bvh2: $crate::kernels::All<$crate::traversal::Bvh2>,
             all_two_level: $crate::kernels::All<$crate::traversal::TwoLevel>,
+            visible_brute: $crate::wavefront::Visible<$crate::traversal::Brute>,
+            visible_kd: $crate::wavefront::Visible<$crate::traversal::KdTree>,
+            visible_bvh2: $crate::wavefront::Visible<$crate::traversal::Bvh2>,
+            visible_two_level: $crate::wavefront::Visible<$crate::traversal::TwoLevel>,
+            shadow_brute: $crate::wavefront::Shadow<$crate::traversal::Brute>,
+            shadow_kd: $crate::wavefront::Shadow<$crate::traversal::KdTree>,
+            shadow_bvh2: $crate::wavefront::Shadow<$crate::traversal::Bvh2>,
+            shadow_two_level: $crate::wavefront::Shadow<$crate::traversal::TwoLevel>,
         }
     };
 }
@@ -447,6 +458,7 @@ macro_rules! for_each_other_kernel {
             gather_rays: $crate::gather::GatherRays,
             reshape: $crate::refit::Reshape,
             refit: $crate::refit::Refit,
+            find_parents: $crate::refit::FindParents,
             survey_triangles: $crate::build::survey::Survey,
             morton_codes: $crate::build::morton::MortonCodes,
             count_digits: $crate::build::radix_sort::CountDigits,
@@ -455,6 +467,11 @@ macro_rules! for_each_other_kernel {
             hploc: $crate::build::hploc::Hploc,
             emit_nodes: $crate::build::emit::EmitNodes,
             gather_triangles: $crate::build::gather::GatherTriangles,
+            camera_rays: $crate::wavefront::CameraRays,
+            shade: $crate::wavefront::Shade,
+            add_light: $crate::wavefront::AddLight,
+            add_to_film: $crate::wavefront::AddToFilm,
+            emitter_powers: $crate::lights::EmitterPowers,
         }
     };
 }

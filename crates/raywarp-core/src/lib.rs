@@ -16,6 +16,7 @@
 
 pub mod arch;
 pub mod background;
+pub mod bsdf;
 pub mod build;
 pub mod camera;
 pub mod closest_point;
@@ -25,6 +26,7 @@ pub mod film;
 pub mod gather;
 pub mod kernels;
 pub mod light;
+pub mod lights;
 pub mod material;
 pub mod math;
 mod name;
@@ -34,6 +36,7 @@ pub mod queue;
 pub mod ray;
 pub mod refit;
 pub mod sample;
+pub mod sampling;
 pub mod screen;
 pub mod shade;
 pub mod stack;
@@ -43,3 +46,4 @@ pub mod traversal;
 pub mod triangle;
 pub mod view;
 pub mod warp_counter;
+pub mod wavefront;

@@ -4,6 +4,9 @@ use core::ops::{Add, AddAssign, Div, Index, Mul, Neg, Sub};
 
 use crate::arch;
 
+mod trigonometry;
+pub use trigonometry::{acos, atan2, sin_cos_of_turns};
+
 /// Three components: a point, a direction or a linear colour.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -151,6 +151,7 @@ pub struct MeshHit {
 
 impl MeshHit {
     /// The hit, of an instance.
+    #[inline(always)]
     pub fn of_instance(self, instance: u32) -> Hit {
         let Self { t, u, v, primitive } = self;
         Hit { t, u, v, primitive, instance }

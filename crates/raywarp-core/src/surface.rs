@@ -114,6 +114,19 @@ impl Surface {
     }
 }
 
+/// A point of a triangle, as a light.
+#[derive(Clone, Copy, Debug)]
+pub struct Spot {
+    /// World position.
+    pub point: Vec3,
+    /// Unit normal on the side from which the vertices run counter-clockwise.
+    pub outward: Vec3,
+    /// Of the triangle.
+    pub area: f32,
+    /// As of [`Surface`].
+    pub offset: f32,
+}
+
 /// Corners of a triangle and weights to mix them.
 struct Corners {
     vertices: [u32; 3],
@@ -181,6 +194,13 @@ const OFFSET: f32 = 32.0 / 16_777_216.0;
 #[inline(always)]
 fn outward([p0, p1, p2]: [Vec3; 3], corners: &Corners) -> Vec3 {
     (p1 - p0).cross(p2 - p0) * corners.handedness
+}
+
+/// What keeps a ray off a triangle.
+#[inline(always)]
+fn offset(positions: &[Vec3; 3]) -> f32 {
+    let [p0, p1, p2] = positions.map(Vec3::max_abs);
+    OFFSET * arch::max(p0, arch::max(p1, p2))
 }
 
 /// Whether a ray meets the side that a normal is on.
@@ -276,8 +296,7 @@ impl Scene {
         if material.normal_map != NO_TEXTURE {
             normal = self.perturb_normal(&corners, normal, material);
         }
-        let [p0, p1, p2] = positions.map(Vec3::max_abs);
-        let offset = OFFSET * arch::max(p0, arch::max(p1, p2));
+        let offset = offset(&positions);
         Surface {
             point: Corners::mix(positions, corners.weights),
             geometric: outward * side,
@@ -288,6 +307,30 @@ impl Scene {
             tint,
             coverage,
         }
+    }
+
+    /// The point of a hit, as that of a light.
+    #[inline(always)]
+    pub fn spot<S: Space>(&self, hit: &Hit) -> Spot {
+        let corners = self.corners::<S>(hit);
+        let positions = self.positions(&corners);
+        let outward = outward(positions, &corners);
+        Spot {
+            point: Corners::mix(positions, corners.weights),
+            outward: outward.normalize(),
+            area: 0.5 * outward.length(),
+            offset: offset(&positions),
+        }
+    }
+
+    /// What a texture says at a hit; white without one.
+    #[inline(always)]
+    pub fn map<S: Space>(&self, hit: &Hit, texture: u32) -> Vec3 {
+        if texture == NO_TEXTURE {
+            return Vec3::ONE;
+        }
+        let [u, v] = self.coordinates::<S>(hit, texture);
+        self.textures.sample(texture, u, v).color
     }
 
     /// Texture coordinates, colour and coverage at a hit.

@@ -60,6 +60,12 @@ impl<T: Copy> View<T> {
         Self { address: self.address.wrapping_add(first as usize), len }
     }
 
+    /// The first items, at most so many.
+    #[inline(always)]
+    pub fn first(&self, len: u32) -> Self {
+        Self { len: core::cmp::min(len, self.len), ..*self }
+    }
+
     /// The item at `index`, which whoever made the view vouches to be in range.
     #[inline(always)]
     pub fn at(&self, index: u32) -> T {
@@ -145,6 +151,12 @@ impl<T: Copy> ViewMut<T> {
         self.len == 0
     }
 
+    /// The first items, at most so many.
+    #[inline(always)]
+    pub fn first(&self, len: u32) -> Self {
+        Self { len: core::cmp::min(len, self.len), ..*self }
+    }
+
     /// The item at `index`, or nothing beyond the end.
     ///
     /// # Safety
@@ -198,6 +210,7 @@ plain!(
     [f32; 4],
     crate::build::node::Node,
     crate::build::survey::Findings,
+    crate::bsdf::MetallicRoughness,
     crate::film::Pixel,
     crate::kernels::FirstHit,
     crate::light::Light,
@@ -205,6 +218,7 @@ plain!(
     crate::math::Vec3,
     crate::ray::MeshHit,
     crate::ray::Ray,
+    crate::sampling::AliasEntry,
     crate::surface::Instance,
     crate::surface::Primitive,
     crate::texture::Texture,
@@ -217,4 +231,6 @@ plain!(
     crate::traversal::kdtree::KdPart,
     crate::traversal::kdtree::Node,
     crate::triangle::Triangle,
+    crate::wavefront::Path,
+    crate::wavefront::add_light::Direct,
 );

@@ -68,6 +68,16 @@ impl Timed {
         Ok(Self { start, end: device.mark()? })
     }
 
+    /// What is enqueued by a function, between two marks.
+    ///
+    /// # Errors
+    /// Those of the function, and where the device fails.
+    pub fn around<E: From<DeviceError>>(device: &Device, enqueue: impl FnOnce() -> Result<(), E>) -> Result<Self, E> {
+        let start = device.mark()?;
+        enqueue()?;
+        Ok(Self { start, end: device.mark()? })
+    }
+
     /// The same on a stream, after all that the device was told before.
     ///
     /// # Safety

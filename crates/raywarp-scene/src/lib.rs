@@ -6,12 +6,14 @@
 mod background;
 mod camera;
 pub mod deform;
+mod environment;
 mod image;
 mod light;
 pub mod load;
 mod material;
 pub mod memory;
 mod mesh;
+mod metallic_roughness;
 pub mod normals;
 mod path;
 pub mod save;
@@ -24,11 +26,13 @@ pub mod write;
 
 pub use background::Background;
 pub use camera::{axis_name, degrees, radians, Camera, Projection};
+pub use environment::{Environment, Radiance};
 pub use image::Image;
 pub use light::{Light, LightKind};
 pub use load::{LoadError, LoadOptions, Loaded, Warning};
 pub use material::{AlphaMode, Material};
 pub use mesh::{Instance, Mesh, Transform};
+pub use metallic_roughness::MetallicRoughness;
 pub use path::{CameraKey, CameraPath, PathError};
 pub use settings::RenderDefaults;
 pub use texture::{Channel, Filter, NormalMap, Texture, UvSet, Wrap};
@@ -53,6 +57,8 @@ pub struct Scene {
     pub paths: Vec<CameraPath>,
     /// What a ray sees that leaves the scene. `None`: the renderer's choice.
     pub background: Option<Background>,
+    /// What is seen and lights instead of the background, with path tracing. `None`: the background does.
+    pub environment: Option<Environment>,
     /// Light that arrives everywhere, multiplied by each material's ambient colour. `None`: the renderer's choice.
     pub ambient: Option<[f32; 3]>,
     /// Defaults for the options of rendering.
@@ -74,6 +80,7 @@ impl Scene {
             cameras: self.cameras.clone(),
             paths: self.paths.clone(),
             background: self.background,
+            environment: self.environment.clone(),
             ambient: self.ambient,
             render: self.render,
             up: self.up,

@@ -1,7 +1,7 @@
 //! Surfaces: the Phong model of the paper and of Wavefront MTL, with mirror reflection and refraction.
 
 use crate::schema::{Described, Field, Kind, PanelRow, Parameter, Usual, Value};
-use crate::{NormalMap, Texture};
+use crate::{MetallicRoughness, NormalMap, Texture};
 
 /// How a surface answers light. The default is a matt grey.
 ///
@@ -47,6 +47,9 @@ pub struct Material {
     pub single_sided: bool,
     /// It is a metal: what tints `diffuse`, texture and colours of vertices, tints `specular` and `reflection` as well.
     pub metallic: bool,
+    /// What path tracing follows instead of Phong's model; `None`: what [stands for it](MetallicRoughness::of_phong). Whitted's
+    /// shading does not look at it: a file that has only this is given Phong's parameters beside it.
+    pub metallic_roughness: Option<MetallicRoughness>,
     /// Multiplies `diffuse` and `ambient`; its alpha multiplies `opacity` unless `alpha` is opaque.
     pub diffuse_map: Option<Texture>,
     /// Multiplies `specular`.
@@ -78,6 +81,7 @@ impl Default for Material {
             unlit: false,
             single_sided: false,
             metallic: false,
+            metallic_roughness: None,
             diffuse_map: None,
             specular_map: None,
             emission_map: None,
@@ -138,7 +142,7 @@ const MATERIAL: &[Parameter<Material>] = parameters! {
     shininess, Kind::NON_NEGATIVE, Usual::Value(|| Value::Number(32.0)), number("Shininess", [0.0, 1000.0]),
         "Exponent of the highlight";
     emission, Kind::Color, BLACK, color("Emission", 10.0),
-        "Radiance of its own; it does not light other surfaces";
+        "Radiance of its own; it lights other surfaces with path tracing alone";
     reflection, Kind::Share, BLACK, color("Reflection", 1.0),
         "Share of the mirrored radiance";
     transmission, Kind::Share, BLACK, color("Transmission", 1.0),
@@ -155,7 +159,7 @@ const MATERIAL: &[Parameter<Material>] = parameters! {
         "Coverage";
     unlit, Kind::FLAG, OFF, None,
         "Shows `diffuse` without light or shadow";
-    [ALPHA, CUTOFF]
+    [ALPHA, CUTOFF, BASE_COLOR, METALLIC, ROUGHNESS, SPECULAR_WEIGHT, SPECULAR_COLOR, SPECULAR_IOR, TRANSMISSION_WEIGHT, THIN]
 };
 
 const ALPHA: Parameter<Material> = Parameter {
@@ -203,6 +207,48 @@ const CUTOFF: Parameter<Material> = Parameter {
         }
     },
 };
+
+/// Parameters of [`MetallicRoughness`]: the first that is set gives a material one, of what stands for the rest of it.
+macro_rules! physical {
+    ($($constant:ident, $name:literal, $field:ident, $kind:expr, $panel:expr, $meaning:literal;)*) => {$(
+        const $constant: Parameter<Material> = Parameter {
+            name: $name,
+            alias: None,
+            kind: $kind,
+            meaning: $meaning,
+            default: Usual::Words("of what stands for the other model"),
+            panel: $panel,
+            read: |material| Some(material.metallic_roughness.as_ref()?.$field.value()),
+            write: |material, value| {
+                if let Some(value) = Field::of(value) {
+                    let phong = MetallicRoughness::of_phong(material);
+                    material.metallic_roughness.get_or_insert(phong).$field = value;
+                }
+            },
+        };
+    )*};
+}
+
+const UNIT: Kind = Kind::Number { low: 0.0, high: 1.0, unit: "" };
+
+physical! {
+    BASE_COLOR, "base_color", base_color, Kind::Share, color("Base colour", 1.0),
+        "Path tracing: reflectance of what is matt, and of metal from the front";
+    METALLIC, "metallic", metallic, UNIT, number("Metallic", [0.0, 1.0]),
+        "Path tracing: share of metal";
+    ROUGHNESS, "roughness", roughness, UNIT, number("Roughness", [0.0, 1.0]),
+        "Path tracing: from 0, a mirror, to 1";
+    SPECULAR_WEIGHT, "specular_weight", specular, UNIT, number("Specular weight", [0.0, 1.0]),
+        "Path tracing: strength of the reflection of what is no metal";
+    SPECULAR_COLOR, "specular_color", specular_color, Kind::Color, color("Specular colour", 1.0),
+        "Path tracing: tint of that reflection from the front";
+    SPECULAR_IOR, "specular_ior", ior, Kind::Number { low: 1.0, high: 100.0, unit: "" }, number("Specular index", [1.0, 3.0]),
+        "Path tracing: index of refraction of what is no metal; 1.5 reflects 4 % from the front";
+    TRANSMISSION_WEIGHT, "transmission_weight", transmission, UNIT, number("Transmission weight", [0.0, 1.0]),
+        "Path tracing: share that passes through of what is neither metal nor reflected, tinted by `base_color`";
+    THIN, "thin_walled", thin, Kind::FLAG, Some(PanelRow::new("Thin wall")),
+        "Path tracing: whether it is the wall of nothing, which does not bend what passes";
+}
 
 const fn color(label: &'static str, high: f32) -> Option<PanelRow> {
     Some(PanelRow::ranged(label, [0.0, high], 0.0))

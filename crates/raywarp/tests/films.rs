@@ -3,7 +3,7 @@
 
 use std::f32::consts::TAU;
 
-use raywarp::accel::{fastest_on, AccelKind, Build, Quality};
+use raywarp::accel::{AccelKind, Build, Quality};
 use raywarp::device::{Device, Staging};
 use raywarp::device_scene::{world_triangles, Structure};
 use raywarp::image::{png, Development, ToneMap};
@@ -99,9 +99,12 @@ fn before_its_first_sample_a_pixel_shows_the_film_below() {
 #[test]
 fn an_instance_that_moves_looks_as_if_it_had_been_there() {
     for device in devices() {
-        for quality in [Quality::Fast, Quality::High] {
+        for (kind, quality) in
+            [(AccelKind::Bvh2, Quality::Fast), (AccelKind::Bvh, Quality::Fast), (AccelKind::Bvh, Quality::High)]
+        {
             let original = scene();
-            let mut tracer = Tracer::new(&original, bvh2(quality), &device).unwrap();
+            let what = Build { kind, quality, cached: false };
+            let mut tracer = Tracer::new(&original, what, &device).unwrap();
             let mut moved = original.clone();
             for step in 0..4 {
                 for index in (0..moved.instances.len()).rev().take(2) {
@@ -112,19 +115,19 @@ fn an_instance_that_moves_looks_as_if_it_had_been_there() {
                     };
                     assert!(tracer.scene_mut().unwrap().move_instances(&original, &moved.instances, &[index]).unwrap());
                 }
-                let fresh = Tracer::new(&moved, bvh2(quality), &device).unwrap();
-                assert!(rendered(&tracer) == rendered(&fresh), "step {step} on {}", device.description());
+                let fresh = Tracer::new(&moved, what, &device).unwrap();
+                assert!(rendered(&tracer) == rendered(&fresh), "{kind}, step {step} on {}", device.description());
+                let growth = tracer.scene().growth().unwrap();
+                assert!(growth.is_some_and(|growth| growth > 0.1 && growth < 10.0), "{growth:?}");
             }
             // A new tree of what moved, swapped in.
             let triangles = world_triangles(&original, &moved.instances, &moved.materials).unwrap();
             let before = rendered(&tracer);
-            for kind in [fastest_on(&device), AccelKind::Kd] {
+            for kind in [AccelKind::Bvh2, AccelKind::Kd] {
                 tracer.scene_mut().unwrap().replace(Structure::build(&device, kind, triangles.clone()).unwrap());
                 assert!(rendered(&tracer) == before);
-                assert!(
-                    !tracer.scene_mut().unwrap().move_instances(&original, &moved.instances, &[0]).unwrap(),
-                    "only a bvh2 can be refitted"
-                );
+                let follows = tracer.scene_mut().unwrap().move_instances(&original, &moved.instances, &[0]).unwrap();
+                assert_eq!(follows, kind.is_hierarchy(), "a k-d tree's cells cannot follow");
             }
         }
     }

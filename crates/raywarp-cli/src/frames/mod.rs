@@ -50,7 +50,7 @@ pub fn run(options: &RenderOptions, range: Range) -> Result<()> {
 
     let start = Instant::now();
     let mut loaded = read(options.scene.as_deref(), options.strict, &mut outputs)?;
-    options.change(&mut loaded.scene);
+    options.change(&mut loaded, &mut outputs)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let path = options.frames.path.as_deref().map(|name| flight::named(&loaded.scene.paths, name)).transpose()?;
     let overrides = options.settings(&loaded.scene);

@@ -3,6 +3,7 @@
 
 mod camera;
 mod completions;
+mod environment;
 mod info;
 mod live;
 mod machine;
@@ -19,6 +20,7 @@ pub use crate::bench::BenchOptions;
 pub use crate::frames::FrameOptions;
 pub use camera::CameraOptions;
 pub use completions::CompletionsOptions;
+pub use environment::EnvironmentOptions;
 pub use info::InfoOptions;
 pub use live::LiveOptions;
 pub use machine::{MachineOptions, DEVICES};

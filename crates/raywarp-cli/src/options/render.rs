@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use clap::{Parser, ValueEnum, ValueHint};
 use raywarp::image::Layer;
-use raywarp::scene::{Background, RenderDefaults, Scene};
+use raywarp::scene::{Background, Loaded, RenderDefaults, Scene};
+use raywarp::write::Outputs;
 
-use super::{CameraOptions, FrameOptions, LightSettings, MachineOptions, PictureSettings};
+use super::{CameraOptions, EnvironmentOptions, FrameOptions, LightSettings, MachineOptions, PictureSettings};
+use crate::failure::Result;
 use crate::values::{self, Backdrop};
 
 const EXAMPLES: &str = "\
@@ -55,6 +57,8 @@ pub struct RenderOptions {
     /// transparent there, and mirrors keep what they see
     #[arg(long, value_name = "COLOUR", value_parser = values::backdrop, help_heading = "Picture")]
     pub background: Option<Backdrop>,
+    #[command(flatten)]
+    pub environment: EnvironmentOptions,
     /// Render only columns x0 to x1 and rows y0 to y1, in pixels from the upper left, x1 and y1 excluded
     #[arg(long, value_name = "x0,y0,x1,y1", value_parser = values::crop, help_heading = "Picture")]
     pub crop: Option<[u32; 4]>,
@@ -98,11 +102,13 @@ impl RenderOptions {
     }
 
     /// Gives a scene what was asked for instead of its own.
-    pub fn change(&self, scene: &mut Scene) {
+    pub fn change(&self, loaded: &mut Loaded, outputs: &mut Outputs) -> Result<()> {
+        let scene = &mut loaded.scene;
         scene.up = self.camera.viewpoint().scene_up;
         if let Some(Backdrop::Color(color)) = self.background {
             scene.background = Some(Background::constant(color));
         }
+        self.environment.change(loaded, outputs)
     }
 }
 

@@ -22,6 +22,27 @@ pub unsafe fn exchange(number: *mut u32, new: u32) -> u32 {
     unsafe { core::sync::atomic::AtomicU32::from_ptr(number) }.swap(new, core::sync::atomic::Ordering::AcqRel)
 }
 
+/// Adds one to a number; what it was. Whoever comes later also sees, by [`load_coherent`], what this thread had written.
+///
+/// # Safety
+/// `number` is valid for the launch, in which only this touches it while threads may still come.
+#[inline(always)]
+pub unsafe fn arrive(number: *mut u32) -> u32 {
+    #[cfg(target_arch = "nvptx64")]
+    {
+        let before: u32;
+        // SAFETY: the caller's promise.
+        unsafe {
+            core::arch::asm!("atom.acq_rel.gpu.global.add.u32 {r}, [{p}], 1;", r = out(reg32) before,
+                p = in(reg64) number, options(nostack));
+        }
+        before
+    }
+    #[cfg(not(target_arch = "nvptx64"))]
+    // SAFETY: the caller's promise; a `u32` in memory is an atomic one.
+    unsafe { core::sync::atomic::AtomicU32::from_ptr(number) }.fetch_add(1, core::sync::atomic::Ordering::AcqRel)
+}
+
 /// Makes what this thread wrote visible to whoever learns of it by a later [`exchange`] of its warp.
 #[inline(always)]
 pub fn publish() {

@@ -8,11 +8,11 @@ mod shared_slots;
 mod warp;
 
 pub use block::{barrier, sums, Block, SharedWords, BLOCK, THREADS, WARPS};
-pub use coherent::{exchange, load_coherent, load_word_coherent, publish, raise};
+pub use coherent::{arrive, exchange, load_coherent, load_word_coherent, publish, raise};
 pub use lanes::{in_each_lane, lanes_where, Lanes, Shuffle, LANES};
 pub use links::{Links, Meeting};
 pub use shared_slots::SharedSlots;
-pub use warp::{alike, all, ballot, broadcast, lane, lanes_below, syncwarp, together, uniform, WARP};
+pub use warp::{afresh, alike, all, ballot, broadcast, lane, lanes_below, syncwarp, together, uniform, WARP};
 
 /// `a * b + c`, rounded once. A CPU without the instruction computes it in software: slower, the same result.
 #[inline(always)]

@@ -149,3 +149,20 @@ pub unsafe fn alike(mask: u32, value: u32) -> u32 {
         mask
     }
 }
+
+/// The same answer, of which the compiler knows nothing. Where threads ask the same twice, and all of them meet in between, it
+/// would compile what is in between once for each answer: threads that part would wait for each other in different places.
+#[inline(always)]
+pub fn afresh(value: bool) -> bool {
+    #[cfg(target_arch = "nvptx64")]
+    {
+        let same: u32;
+        // SAFETY: copies a register; volatile, so that no two of them are taken for one.
+        unsafe {
+            core::arch::asm!("mov.b32 {r}, {v};", r = out(reg32) same, v = in(reg32) value as u32, options(nomem, nostack));
+        }
+        same != 0
+    }
+    #[cfg(not(target_arch = "nvptx64"))]
+    value
+}

@@ -74,11 +74,12 @@ impl ScanDigits {
         while first < self.runs {
             let run = first + block.thread;
             let place = block.index * self.runs + run;
+            let inside = run < self.runs;
             // SAFETY: each count is one thread's.
-            let count = if run < self.runs { unsafe { self.counts.get(place) }.unwrap_or(0) } else { 0 };
+            let count = if arch::afresh(inside) { unsafe { self.counts.get(place) }.unwrap_or(0) } else { 0 };
             // SAFETY: whole blocks are launched, and all threads go through this loop alike.
             let (mine, all) = unsafe { arch::sums(&block, count, &sums) };
-            if run < self.runs {
+            if arch::afresh(inside) {
                 // SAFETY: as above.
                 unsafe { self.counts.set(place, before + mine) };
             }
@@ -123,8 +124,10 @@ impl ScatterDigits {
         for item in 0..ITEMS {
             let index = self.index(&block, item);
             let inside = index < self.pairs.len();
-            let pair = if inside { self.pairs.at(index) } else { [0; 2] };
-            let value = if inside { digit(pair, self.shift) } else { DIGITS };
+            let (pair, value) = match arch::afresh(inside) {
+                true => (self.pairs.at(index), digit(self.pairs.at(index), self.shift)),
+                false => ([0; 2], DIGITS),
+            };
             // SAFETY: all threads of the warp go through this loop alike.
             let peers = unsafe { arch::alike(u32::MAX >> (32 - WARP), value) };
             let mine = (peers & arch::lanes_below()).count_ones();
@@ -132,10 +135,10 @@ impl ScatterDigits {
             let first = places.get(slot);
             // SAFETY: as above; no thread changes the place before all have read it, nor reads it before that.
             unsafe { arch::syncwarp(u32::MAX >> (32 - WARP)) };
-            if inside && mine == 0 {
+            if arch::afresh(inside && mine == 0) {
                 places.set(slot, first + peers.count_ones());
             }
-            if inside {
+            if arch::afresh(inside) {
                 // SAFETY: every pair has a place of its own.
                 unsafe { self.sorted.set(first + mine, pair) };
             }

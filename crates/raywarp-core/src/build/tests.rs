@@ -1,5 +1,6 @@
 //! Whole builds by plain loops over the threads, in an order that the test chooses.
 
+use super::bounds::Bounds;
 use super::emit::EmitNodes;
 use super::gather::GatherTriangles;
 use super::hploc::Hploc;
@@ -11,6 +12,7 @@ use super::TILE;
 use crate::arch::BLOCK;
 use crate::kernels::{Kernel, Thread};
 use crate::math::{vec3, Vec3};
+use crate::refit::{FindParents, Refit};
 use crate::sample::{hash, unit};
 use crate::traversal::bvh2::{self, Child};
 use crate::traversal::bvh2_quantized::Grid;
@@ -193,6 +195,45 @@ fn identical_triangles_make_a_balanced_tree() {
     let tree = build(&(0..10_000).map(|primitive| Triangle { primitive, ..one }).collect::<Vec<_>>(), 1);
     check(&tree);
     assert!(tree.merged[0].below().height() <= 14, "{}", tree.merged[0].below().height());
+}
+
+/// Boxes of the nodes after triangles were moved, in an order of the threads.
+fn refitted(tree: &Tree, turn: u32) -> (Vec<bvh2::Node>, Vec<f32>) {
+    let (mut nodes, count) = (tree.full.clone(), tree.full.len());
+    let (mut parents, mut arrivals, mut areas) = (vec![0; count], vec![0; count], vec![0.0; count]);
+    launch(&FindParents { nodes: view(&nodes), parents: view_mut(&mut parents) }, count as u32, turn);
+    let refit = Refit {
+        nodes: view_mut(&mut nodes),
+        small: ViewMut::EMPTY,
+        grid: Grid { base: Vec3::ZERO, scale: Vec3::ONE },
+        triangles: view(&tree.triangles),
+        parents: view(&parents),
+        arrivals: view_mut(&mut arrivals),
+        areas: view_mut(&mut areas),
+    };
+    launch(&refit, count as u32, turn);
+    assert!(arrivals.iter().all(|&number| number == 0));
+    (nodes, areas)
+}
+
+#[test]
+fn boxes_follow_triangles_in_any_order_of_threads() {
+    for count in [1, 2, 3, 9, 4000] {
+        let mut tree = build(&scattered(count, 5), 0);
+        assert!(refitted(&tree, 1).0 == tree.full, "nothing has moved");
+        for triangle in &mut tree.triangles {
+            let moved = |v: Vec3| vec3(v.x * 3.0, v.y + v.x, v.z - 2.0);
+            *triangle = Triangle { v0: moved(triangle.v0), v1: moved(triangle.v1), ..*triangle };
+        }
+        let (nodes, areas) = refitted(&tree, 0);
+        assert!((1..4).all(|turn| refitted(&tree, turn) == (nodes.clone(), areas.clone())));
+        let boxes =
+            nodes.iter().flat_map(|node| (0..2).filter(|&side| node.has_child(side)).map(move |side| (node, side)));
+        let sum: f32 = boxes.map(|(n, side)| Bounds { low: n.low[side], high: n.high[side] }.half_area()).sum();
+        assert!((areas[0] - sum).abs() <= 1e-4 * sum, "{} {sum}", areas[0]);
+        tree.full = nodes;
+        check(&tree);
+    }
 }
 
 #[test]

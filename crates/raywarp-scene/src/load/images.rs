@@ -8,10 +8,12 @@ use std::path::{Path, PathBuf};
 
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
+use super::environment::Texels;
 use super::quote::file_name;
 use super::source::{read_regular, Unread};
 use super::{LoadError, Sources};
 use crate::memory::{Budget, Shortage};
+use crate::srgb::srgb_to_linear;
 use crate::{Image, Scene};
 
 /// Most texels in a row or a column.
@@ -90,7 +92,7 @@ pub(super) fn missing(
 
 /// Why a picture cannot be used.
 #[derive(Debug, PartialEq)]
-enum Unusable {
+pub(super) enum Unusable {
     /// A phrase. Something else can stand in for the picture.
     Reason(String),
     /// There is no room for it.
@@ -142,6 +144,22 @@ fn read(path: &Path, budget: &Budget) -> Result<Vec<u8>, Unusable> {
 }
 
 fn decode(name: &str, bytes: &[u8], budget: &Budget) -> Result<Image, Unusable> {
+    let image = picture(name, bytes, budget, 4)?;
+    let (width, height) = (image.width(), image.height());
+    Ok(Image { name: name.to_owned(), width, height, texels: rgba(image) })
+}
+
+/// The same as radiance: what is not that already is display light, and sRGB.
+pub(super) fn radiance(name: &str, bytes: &[u8], budget: &Budget) -> Result<Texels, Unusable> {
+    let image = picture(name, bytes, budget, 12)?;
+    let size = [image.width(), image.height()];
+    let is_linear = matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
+    let linear = |channel: f32| if is_linear { channel } else { srgb_to_linear(channel) };
+    Ok((size, image.into_rgb32f().pixels().map(|pixel| pixel.0.map(linear)).collect()))
+}
+
+/// A picture that takes so many bytes a texel where it is kept.
+fn picture(name: &str, bytes: &[u8], budget: &Budget, texel: u64) -> Result<DynamicImage, Unusable> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
@@ -156,12 +174,12 @@ fn decode(name: &str, bytes: &[u8], budget: &Budget) -> Result<Image, Unusable> 
     reader.limits(limits.clone());
     let mut decoder = reader.into_decoder().map_err(sentence)?;
     let (width, height) = decoder.dimensions();
+    let (width, height) = (u64::from(width), u64::from(height));
     check_size(width, height, bytes.len() as u64)?;
     limits.reserve(decoder.total_bytes()).map_err(sentence)?;
-    take(budget, decoder.total_bytes(), 4 * u64::from(width) * u64::from(height))?;
+    take(budget, decoder.total_bytes(), texel * width * height)?;
     decoder.set_limits(limits).map_err(sentence)?;
-    let texels = rgba(DynamicImage::from_decoder(decoder).map_err(sentence)?);
-    Ok(Image { name: name.to_owned(), width, height, texels })
+    Ok(DynamicImage::from_decoder(decoder).map_err(sentence)?)
 }
 
 /// Takes room for texels; besides, there has to be room for what a decoder and the conversion hold for a moment: what the
@@ -172,14 +190,14 @@ fn take(budget: &Budget, decoded: u64, texels: u64) -> Result<(), Unusable> {
 }
 
 /// Refuses what is empty, too large, or far too large for its file: a header is not worth gigabytes.
-fn check_size(width: u32, height: u32, file_bytes: u64) -> Result<(), String> {
+pub(super) fn check_size(width: u64, height: u64, file_bytes: u64) -> Result<(), String> {
     if width == 0 || height == 0 {
         return Err(format!("it has {width}x{height} texels"));
     }
-    if width > MAX_SIDE || height > MAX_SIDE {
+    if width > u64::from(MAX_SIDE) || height > u64::from(MAX_SIDE) {
         return Err(format!("it has {width}x{height} texels and the limit is {MAX_SIDE}x{MAX_SIDE}"));
     }
-    let decoded = 4 * u64::from(width) * u64::from(height);
+    let decoded = 4 * width * height;
     let limit = file_bytes.saturating_mul(MAX_RATIO).clamp(HARMLESS_BYTES, MAX_BYTES);
     if decoded > limit {
         return Err(format!(

@@ -1,6 +1,7 @@
 //! From files to a [`Scene`]: the extension picks the reader.
 
 mod colors;
+mod environment;
 mod error;
 mod gltf;
 mod hash;
@@ -22,6 +23,7 @@ use std::path::{Path, PathBuf};
 
 use super::Scene;
 use crate::memory::Budget;
+pub use environment::environment;
 pub use error::{LoadError, Place};
 pub use source::{LoadOptions, Sources, Warning};
 

@@ -127,12 +127,19 @@ fn material(read: &Material, now: &Material) -> Result<MaterialKeys, SaveError> 
         ("opacity_map", read.opacity_map == now.opacity_map, now.opacity_map.is_some()),
         ("normal_map", read.normal_map == now.normal_map, now.normal_map.is_some()),
     ];
+    let own = |material: &Material| material.metallic_roughness.clone().unwrap_or_default();
+    let (before, after) = (own(read), own(now));
+    let physical = [
+        ("metallic_map", before.metallic_map == after.metallic_map, after.metallic_map.is_some()),
+        ("roughness_map", before.roughness_map == after.roughness_map, after.roughness_map.is_some()),
+        ("transmission_map", before.transmission_map == after.transmission_map, after.transmission_map.is_some()),
+    ];
     let mut keys = MaterialKeys {
         name: (read.name != now.name).then(|| now.name.clone()),
         parameters: Keys::changed(read, now),
         ..MaterialKeys::default()
     };
-    for (what, _, is_there) in maps.into_iter().filter(|(_, same, _)| !same) {
+    for (what, _, is_there) in maps.into_iter().chain(physical).filter(|(_, same, _)| !same) {
         if is_there {
             return Err(unsupported(&format!("another {} of the material '{}'", what.replace('_', " "), now.name)));
         }

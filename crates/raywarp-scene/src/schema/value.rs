@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::settings::{AccelKind, Quality, ToneMap};
+use crate::settings::{AccelKind, Integrator, Quality, ToneMap};
 
 /// What a parameter is set to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,4 +95,4 @@ macro_rules! words {
     )*};
 }
 
-words!(ToneMap, AccelKind, Quality);
+words!(Integrator, ToneMap, AccelKind, Quality);

@@ -1,16 +1,18 @@
 //! How a scene wants to be rendered: what a scene file and a command line can both say.
 
+mod integrator;
 mod quality;
 mod render;
 mod structure;
 mod tone_map;
 
+pub use integrator::Integrator;
 pub use quality::{Quality, UnknownQuality};
 pub use render::{Part, RenderDefaults, Setting, SETTINGS};
 pub use structure::{AccelKind, UnknownKind};
 pub use tone_map::ToneMap;
 
-/// Most bounces of Whitted's recursion: the size of its stack in the kernels.
+/// Most bounces: Whitted's stack in the kernels is so large.
 pub const MAX_DEPTH: u32 = 16;
 
 /// Most samples a pixel: beyond, single precision no longer adds them up.

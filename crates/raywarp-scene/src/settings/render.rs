@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{AccelKind, Quality, ToneMap, MAX_DEPTH, MAX_SIDE, MAX_SPP};
+use super::{AccelKind, Integrator, Quality, ToneMap, MAX_DEPTH, MAX_SIDE, MAX_SPP};
 use crate::schema::{Described, Field, Kind, PanelRow, Parameter, Usual, Value};
 
 /// What an option of rendering is about, and so which commands have it and what a change of it costs a viewer.
@@ -82,9 +82,15 @@ settings! {
         Some(PanelRow::ranged("Samples a pixel", [1.0, 65536.0], 1.0)),
         "Samples a pixel",
         (&["sample", "samples-per-pixel", "aa", "antialias", "antialiasing", "num-samples"], "16");
+    Shading integrator: Integrator = Integrator::Whitted, "integrator", "NAME", Kind::Words(&Integrator::NAMES),
+        Some(PanelRow::new("Integrator")),
+        "How light is followed: whitted (Phong's illumination, mirrors and glass), path (all light by all ways, \
+         metallic-roughness materials)",
+        (&["renderer", "render-mode", "engine", "pathtrace", "path-tracing"], "path");
     Shading max_depth: u32 = 5, "max_depth", "N", Kind::Count { low: 0, high: MAX_DEPTH },
         Some(PanelRow::ranged("Bounces", [0.0, MAX_DEPTH as f32], 1.0)),
-        "Mirrored and refracted rays in a row, 0 to 16",
+        "Bounces after which a path ends, 0 to 16: mirrored and refracted rays in a row, of path scattered ones too; light is \
+         looked for at the last one too",
         (&["bounces", "max-bounces", "depth", "recursion", "max-recursion", "ray-depth"], "8");
     Shading shadows: bool = true, "shadows", "",
         Kind::Flag {
@@ -194,6 +200,7 @@ mod tests {
 
     #[test]
     fn words_are_those_of_their_types() {
+        assert_eq!(Integrator::ALL.map(Integrator::name), Integrator::NAMES);
         assert_eq!(ToneMap::ALL.map(ToneMap::name), ToneMap::NAMES);
         assert_eq!(AccelKind::ALL.map(AccelKind::name), AccelKind::NAMES);
         assert_eq!(Quality::ALL.map(Quality::name), Quality::NAMES);

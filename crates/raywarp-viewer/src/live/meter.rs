@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use raywarp::render::{Exposure, RenderOptions, Tracer};
+use raywarp::render::{Exposure, Integrator, RenderOptions, Tracer};
 use raywarp::scene::Camera;
 
 use super::Status;
@@ -93,7 +93,7 @@ impl Meter {
         self.view_changed = true;
     }
 
-    /// Counts the rays of a small picture, if those are not known of this view; `rate` is in pixel samples a second.
+    /// Counts the rays of a small picture, if those are not known of this view and can be counted; `rate` is in pixel samples a second.
     pub fn count_rays(
         &mut self,
         tracer: &Tracer,
@@ -102,6 +102,10 @@ impl Meter {
         rate: f64,
     ) -> Result<(), ViewerError> {
         let lately = self.counted.is_some_and(|at| at.elapsed() < PAUSE);
+        if options.integrator == Integrator::Path {
+            self.rays = None;
+            return Ok(());
+        }
         if lately || self.rays.is_some() && !self.view_changed {
             return Ok(());
         }

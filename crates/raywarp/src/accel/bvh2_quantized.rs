@@ -115,6 +115,24 @@ pub(crate) fn grid(bounds: &Bounds) -> Grid {
     Grid { base: Vec3::new(x.0, y.0, z.0), scale: Vec3::new(x.1, y.1, z.1) }
 }
 
+/// What boxes on the grid can enclose.
+pub(super) fn covered(grid: &Grid) -> Bounds {
+    let end = |axis: u32, code, beyond: f32| {
+        let is_endless = grid.scale[axis] == f32::INFINITY;
+        let end = plane(code, grid, axis) as f32;
+        if is_endless || end.is_infinite() {
+            return beyond;
+        }
+        // Rounded inwards.
+        if beyond < 0.0 {
+            end.next_up()
+        } else {
+            end.next_down()
+        }
+    };
+    Bounds { low: [0, 1, 2].map(|axis| end(axis, 0, -f32::MAX)), high: [0, 1, 2].map(|axis| end(axis, MOST, f32::MAX)) }
+}
+
 /// Base and scale of an axis, such that its first and last plane enclose what there is. Where that is narrow beside its
 /// distance from zero, single precision cannot say so: the grid is then as wide as it must be. Near the end of single
 /// precision there is none: an infinite scale makes every box endless on that axis.

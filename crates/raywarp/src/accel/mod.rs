@@ -39,6 +39,7 @@ pub mod kdtree_arrays;
 pub mod kdtree_median;
 mod kind;
 mod leaves;
+mod refitting;
 mod reinsertion;
 mod resident;
 mod resident_instances;
@@ -64,6 +65,7 @@ pub(crate) use kind::{check_device, check_instances};
 pub use kind::{fastest_on, Build};
 #[doc(no_inline)]
 pub use raywarp_core::traversal;
+pub(crate) use refitting::{Movable, Refitting};
 pub use resident::{
     Rendered, Resident, ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd, ResidentTwoLevel,
 };

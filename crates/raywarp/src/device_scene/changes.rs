@@ -1,16 +1,14 @@
 //! Changes to a scene that is on its device: lights, materials and places of instances, without a new tree.
 
-use raywarp_core::math::Vec3;
-use raywarp_core::refit::{Refit, Reshape};
+use raywarp_core::refit::Reshape;
 use raywarp_core::surface;
-use raywarp_core::traversal::bvh2::Node;
 use raywarp_device::kernels::Views;
 
 use super::flatten::{self, Flat};
 use super::lighting::Lighting;
 use super::{Appearance, DeviceScene, SceneError, Structure};
-use crate::accel::{drop_degenerate, ResidentBvh2};
-use crate::device::{Buffer, Device};
+use crate::accel::{drop_degenerate, Refitting};
+use crate::device::Device;
 use crate::scene::{Image, Instance, Material, Mesh, Scene, Transform};
 use crate::Triangle;
 
@@ -32,7 +30,7 @@ impl DeviceScene {
     pub fn replace(&mut self, structure: Structure) -> Structure {
         self.report.tree = structure.stats;
         if let Some(appearance) = &mut self.appearance {
-            appearance.levels = None;
+            appearance.refitting = None;
         }
         std::mem::replace(&mut self.structure, structure)
     }
@@ -44,6 +42,7 @@ impl DeviceScene {
     pub fn set_lights(&mut self, scene: &Scene) -> bool {
         let Some(appearance) = &mut self.appearance else { return true };
         let before = std::mem::replace(&mut appearance.lighting, Lighting::of(scene));
+        appearance.path.forget();
         before.whose_ambient == appearance.lighting.whose_ambient
     }
 
@@ -57,7 +56,9 @@ impl DeviceScene {
         if materials.len() != appearance.flags.len() {
             return Err(SceneError::Part { mesh: "the changed scene".to_owned(), part: "the number of materials" });
         }
-        appearance.resident.set_materials(&self.device, materials, images, appearance.lighting.whose_ambient)?;
+        let surfaces = super::materials::ready(materials, images, appearance.lighting.whose_ambient);
+        appearance.resident.set_materials(&self.device, &surfaces)?;
+        appearance.path.set_surfaces(&surfaces);
         let flags: Vec<u32> = materials.iter().map(flatten::flags_of).collect();
         if flags == appearance.flags {
             return Ok(true);
@@ -68,7 +69,7 @@ impl DeviceScene {
 
     /// Moves instances to where `instances`, the scene's own but for transforms, has them. Returns whether that is all:
     /// `false` if the scene must be brought to the device anew, because one of them is in world space, or would have to be,
-    /// and the structure is none that can be changed there: a `bvh2` can.
+    /// and the structure is none that can be changed there: a `bvh2` and a `bvh` can.
     ///
     /// Where meshes are placed by instances, the tree over them is made anew once. In world space boxes are refitted: the
     /// picture is that of a new tree, which is worth building once the instances rest.
@@ -98,6 +99,16 @@ impl DeviceScene {
         Ok(true)
     }
 
+    /// By how much the boxes of a tree in world space have grown since something moved first: the sum of their areas over what
+    /// it was. From 1.3 on a new tree is worth its time; nothing where nothing has moved. Waits for the device.
+    ///
+    /// # Errors
+    /// [`SceneError`] where the device fails.
+    pub fn growth(&self) -> Result<Option<f64>, SceneError> {
+        let refitting = self.appearance.as_ref().and_then(|appearance| appearance.refitting.as_ref());
+        Ok(refitting.map(Refitting::growth).transpose()?)
+    }
+
     /// Puts instances elsewhere, mesh to world space, where meshes are placed by instances. Returns whether that is all:
     /// `false`, and nothing has moved, if one is in world space or would have to be, as its transform cannot be inverted.
     ///
@@ -116,6 +127,7 @@ impl DeviceScene {
             flatten::set_transform(&mut appearance.instances[index], transform);
         }
         appearance.resident.set_instances(&appearance.instances)?;
+        appearance.path.forget();
         Ok(true)
     }
 }
@@ -136,17 +148,15 @@ fn move_in_world(
     if mesh.positions.len() != vertices.len() {
         return Err(SceneError::Part { mesh: format!("instance {index}"), part: "the number of vertices" });
     }
-    let Some(tree) = structure.resident_mut::<ResidentBvh2>() else { return Ok(false) };
+    let Some(mut tree) = structure.movable() else { return Ok(false) };
     let mut flat = Flat::default();
     flat.place(mesh, instance);
     appearance.resident.move_vertices(vertices.start, &flat)?;
     let placed = &mut appearance.instances[index];
     placed.flags = surface::IN_WORLD | flatten::handedness(&instance.transform);
     appearance.resident.set_instance(index, *placed)?;
-    // Rounding errors are bounded by the farthest box: a bound too large is safe.
-    let far = |v: &Vec3| [v.x, v.y, v.z].map(|x| (x.abs() * (1.0 + 1e-6)).next_up());
-    let reach = tree.reach.to_array();
-    tree.reach = flat.positions.iter().map(far).fold(reach, |a, b| [0, 1, 2].map(|i| a[i].max(b[i]))).into();
+    appearance.path.forget();
+    tree.include(&flat.positions);
     reshape(device, structure, appearance, [index as u32, index as u32 + 1])
 }
 
@@ -157,7 +167,11 @@ fn reshape(
     appearance: &mut Appearance,
     moved: [u32; 2],
 ) -> Result<bool, SceneError> {
-    let Some(ResidentBvh2 { nodes, triangles, .. }) = structure.resident_mut() else { return Ok(false) };
+    let Some(mut tree) = structure.movable() else { return Ok(false) };
+    let refitting = match &mut appearance.refitting {
+        Some(refitting) => refitting,
+        none => none.insert(Refitting::of(device, &mut tree)?),
+    };
     let flags = device.upload(&appearance.flags)?;
     let reshape = Reshape {
         instances: appearance.resident.instances(),
@@ -165,43 +179,11 @@ fn reshape(
         positions: appearance.resident.positions(),
         flags: flags.view(),
         moved,
-        triangles: triangles.view_mut(),
+        triangles: tree.full.triangles.view_mut(),
     };
-    let levels = match &appearance.levels {
-        Some(levels) => levels,
-        None => appearance.levels.insert(NodesByDepth::of(device, nodes)?),
-    };
-    // SAFETY: the buffers belong to the scene and are borrowed while this waits; the builder checked the links.
-    unsafe { device.launch(&reshape, [triangles.len(), 1]) }?;
-    for &level in levels.ranges.iter().rev() {
-        let (triangles, order) = (triangles.view(), levels.order.view());
-        let refit = Refit { nodes: nodes.view_mut(), triangles, order, level };
-        // SAFETY: as above; each node is once in the order, and deeper levels are done.
-        unsafe { device.launch(&refit, [level[1] - level[0], 1]) }?;
-    }
+    // SAFETY: the buffers belong to the scene and are freed in the order of the device's own stream; the builder checked the
+    // links.
+    unsafe { device.launch(&reshape, [tree.full.triangles.len(), 1]) }?;
+    refitting.refit(device, &mut tree)?;
     Ok(true)
-}
-
-/// The nodes of a tree by their distance from the root.
-pub(crate) struct NodesByDepth {
-    order: Buffer<u32>,
-    /// Places in `order`, from the root down.
-    ranges: Vec<[u32; 2]>,
-}
-
-impl NodesByDepth {
-    fn of(device: &Device, nodes: &Buffer<Node>) -> Result<Self, SceneError> {
-        let nodes = nodes.to_vec()?;
-        let (mut order, mut ranges) = (vec![0], vec![[0, 1]]);
-        while let Some([first, end]) = ranges.last().copied().filter(|[first, end]| first < end) {
-            for place in first..end {
-                let node: &Node = &nodes[order[place as usize] as usize];
-                let inner = (0..2).filter(|&side| node.has_child(side) && !node.children[side].is_leaf());
-                order.extend(inner.map(|side| node.children[side].index()));
-            }
-            ranges.push([end, order.len() as u32]);
-        }
-        ranges.pop();
-        Ok(Self { order: device.upload(&order)?, ranges })
-    }
 }

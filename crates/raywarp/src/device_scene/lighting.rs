@@ -6,6 +6,7 @@ use raywarp_core::math::{vec3, Vec3};
 
 use crate::device::{Buffer, Device, DeviceError};
 use crate::render::turn_to;
+use crate::scene::settings::Integrator;
 use crate::scene::{self, Camera, LightKind, Scene};
 
 /// What lights the scene.
@@ -15,9 +16,14 @@ pub(crate) struct Lighting {
     /// A light at the eye, for scenes without any: no surface that is seen is black.
     headlight: Option<Vec3>,
     pub background: Background,
+    /// Seen and lighting instead, for path tracing.
+    pub environment: Option<scene::Environment>,
+    /// Unit vector upwards, for that.
+    pub up: Vec3,
     pub ambient: Vec3,
     pub whose_ambient: Ambient,
-    pub notes: Vec<String>,
+    /// Whether some material does.
+    glows: bool,
 }
 
 /// The built-in sky, for scenes that say nothing of what lies beyond them.
@@ -49,14 +55,6 @@ impl Ambient {
 impl Lighting {
     pub fn of(scene: &Scene) -> Self {
         let built_in = scene.lights.is_empty();
-        let mut notes = Vec::new();
-        if built_in {
-            let emissive = scene.materials.iter().any(|m| m.emission != [0.0; 3]);
-            notes.push(format!(
-                "no lights in the scene{}: a built-in sun, headlight and sky light it",
-                if emissive { " but glowing surfaces, which this shading shows and does not light with" } else { "" }
-            ));
-        }
         let (sky, ambient) = (sky(scene), ambient(scene));
         Self {
             lights: if built_in { vec![upright_sun(scene)] } else { scene.lights.iter().map(light).collect() },
@@ -68,10 +66,41 @@ impl Lighting {
                 // The file's own sky is in the file's own axes.
                 up: if scene.background.is_none() { up(scene) } else { vec3(0.0, 1.0, 0.0) },
             },
+            environment: scene.environment.clone(),
+            up: up(scene),
             ambient: ambient.into(),
             whose_ambient: Ambient::of(scene),
-            notes,
+            glows: scene.materials.iter().any(|material| material.emission != [0.0; 3]),
         }
+    }
+
+    /// The lights for path tracing: the scene's own, or the built-in sun where nothing glows and no environment is given. There
+    /// is no headlight, as the sky lights from all around.
+    pub fn path_lights(&self) -> Vec<Light> {
+        match self.headlight.is_some() && (self.glows || self.environment.is_some()) {
+            true => Vec::new(),
+            false => self.lights.clone(),
+        }
+    }
+
+    /// What an integrator adds by its own choice or leaves out, each a sentence without the full stop.
+    pub fn notes(&self, integrator: Integrator) -> Vec<String> {
+        let mut notes = Vec::new();
+        let built_in = self.headlight.is_some();
+        match integrator {
+            Integrator::Whitted if built_in => notes.push(format!(
+                "no lights in the scene{}: a built-in sun, headlight and sky light it",
+                if self.glows { " but glowing surfaces, which this shading shows and does not light with" } else { "" }
+            )),
+            Integrator::Path if built_in && !self.path_lights().is_empty() => {
+                notes.push("no lights in the scene: a built-in sun lights it, and what lies beyond it".to_owned());
+            }
+            _ => {}
+        }
+        if integrator == Integrator::Whitted && self.environment.is_some() {
+            notes.push("the environment of the scene is for path tracing, and not used".to_owned());
+        }
+        notes
     }
 
     /// The lights on the device, as seen from a camera.

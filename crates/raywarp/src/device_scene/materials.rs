@@ -2,17 +2,26 @@
 
 use std::f32::consts::LOG2_E;
 
+use raywarp_core::bsdf::MetallicRoughness;
 use raywarp_core::material::{flags, Material};
 use raywarp_core::texture::{mode, Texture, NO_TEXTURE};
 
 use super::lighting::Ambient;
+use super::metallic_roughness::glow;
+use crate::render::path::Openings;
 use crate::scene::srgb::srgb_to_linear_precise;
 use crate::scene::{self, AlphaMode, Channel, Filter, Image, NormalMap, Scene, UvSet, Wrap};
 
 /// Materials and the textures that they refer to.
-pub(super) struct Surfaces {
+pub(crate) struct Surfaces {
     pub materials: Vec<Material>,
     pub textures: Vec<Texture>,
+    /// What path tracing reads beside, one a material.
+    pub metallic_roughness: Vec<MetallicRoughness>,
+    /// Mean luminance that each material sends out.
+    pub glow: Vec<f32>,
+    /// What stands in the way of rays beside closed triangles.
+    pub openings: Openings,
 }
 
 /// All materials of a scene, for ambient light of its own or for the built-in one.
@@ -25,8 +34,11 @@ pub(super) fn ready(materials: &[scene::Material], images: &[Image], ambient: Am
         place
     });
     let mut list = List { places: places.collect(), textures: Vec::new(), ambient };
-    let materials = materials.iter().map(|m| list.material(m)).collect();
-    Surfaces { materials, textures: list.textures }
+    let phong = materials.iter().map(|m| list.material(m)).collect();
+    let metallic_roughness = materials.iter().map(|m| list.metallic_roughness(m)).collect();
+    let glow = materials.iter().map(|material| glow(material, images)).collect();
+    let openings = Openings::of(materials);
+    Surfaces { materials: phong, textures: list.textures, metallic_roughness, glow, openings }
 }
 
 /// All images, one after the other.
@@ -50,7 +62,7 @@ struct Place {
     whole: bool,
 }
 
-struct List {
+pub(super) struct List {
     places: Vec<Place>,
     textures: Vec<Texture>,
     ambient: Ambient,
@@ -102,7 +114,7 @@ impl List {
     }
 
     /// Index of the texture; none for one whose image is not there.
-    fn texture(&mut self, texture: Option<&scene::Texture>) -> u32 {
+    pub(super) fn texture(&mut self, texture: Option<&scene::Texture>) -> u32 {
         let place = texture.and_then(|texture| Some((texture, *self.places.get(texture.image as usize)?)));
         let Some((texture, place)) = place.filter(|(_, place)| place.whole && place.width > 0 && place.height > 0)
         else {

@@ -29,6 +29,7 @@ pub(crate) mod flatten;
 mod levels;
 mod lighting;
 mod materials;
+mod metallic_roughness;
 mod report;
 mod resident;
 mod structure;
@@ -40,15 +41,17 @@ use std::time::Instant;
 use raywarp_core::light::Light;
 use raywarp_core::surface;
 
-use crate::accel::Build;
+use crate::accel::{Build, Refitting};
 use crate::device::{Buffer, Device};
 use crate::render::default_camera;
+use crate::render::path::PathSource;
 use crate::scene::{Camera, Scene};
 use crate::Triangle;
 use arrange::Arranged;
-use changes::NodesByDepth;
 pub(crate) use flatten::{check_instance, check_mesh, flags_of, Flat};
-use lighting::Lighting;
+use lighting::Ambient;
+pub(crate) use lighting::Lighting;
+pub(crate) use materials::Surfaces;
 use resident::ResidentScene;
 
 pub use changes::world_triangles;
@@ -76,10 +79,12 @@ pub(crate) struct Appearance {
     instances: Vec<surface::Instance>,
     /// Where their vertices are.
     vertices: Vec<Range<usize>>,
+    /// For path tracing.
+    pub path: PathSource,
     /// Of the triangles of each material.
     flags: Vec<u32>,
     /// Of the structure, once something has moved.
-    levels: Option<NodesByDepth>,
+    refitting: Option<Refitting>,
 }
 
 impl DeviceScene {
@@ -139,15 +144,11 @@ impl DeviceScene {
         report.device_bytes += shading;
         device.reserve(tree.bytes_to_upload() + shading, "the scene")?;
         let start = Instant::now();
-        let resident = scene.map(|scene| ResidentScene::upload(device, &flat, scene)).transpose()?;
+        let appearance = scene.map(|scene| Appearance::upload(device, scene, flat, report.bounds)).transpose()?;
         let structure = tree.upload(device)?;
         report.upload_seconds = start.elapsed().as_secs_f64();
-        let appearance = scene.zip(resident).map(|(scene, resident)| Appearance::of(scene, flat, resident));
-        if let (Some(appearance), Some(scene)) = (&appearance, scene) {
-            report.notes.extend(appearance.lighting.notes.iter().cloned());
-            if scene.cameras.is_empty() {
-                report.notes.push("no camera in the scene: it is framed".to_owned());
-            }
+        if scene.is_some_and(|scene| scene.cameras.is_empty()) {
+            report.notes.push("no camera in the scene: it is framed".to_owned());
         }
         report.notes.extend(structure.warning.clone());
         Ok(Self { device: device.clone(), structure, appearance, report })
@@ -181,16 +182,19 @@ impl DeviceScene {
 }
 
 impl Appearance {
-    fn of(scene: &Scene, flat: Flat, resident: ResidentScene) -> Self {
-        Self {
-            resident,
+    /// Of a scene with these arrays, between a low and a high corner.
+    fn upload(device: &Device, scene: &Scene, flat: Flat, bounds: [[f32; 3]; 2]) -> Result<Self, SceneError> {
+        let surfaces = materials::ready(&scene.materials, &scene.images, Ambient::of(scene));
+        Ok(Self {
+            resident: ResidentScene::upload(device, &flat, scene, &surfaces)?,
             lighting: Lighting::of(scene),
             camera: default_camera(scene),
+            path: PathSource::new(scene, &surfaces, bounds),
             instances: flat.instances,
             vertices: flat.vertices,
             flags: scene.materials.iter().map(flags_of).collect(),
-            levels: None,
-        }
+            refitting: None,
+        })
     }
 
     /// As kernels read it, with lights that were [uploaded](Lighting::upload).

@@ -9,10 +9,10 @@ use raywarp_core::view::View;
 use raywarp_device::kernels::Views;
 
 use super::flatten::Flat;
-use super::lighting::{Ambient, Lighting};
+use super::lighting::Lighting;
 use super::materials::{self, Surfaces};
 use crate::device::{Buffer, Device, DeviceError};
-use crate::scene::{self, Image, Scene};
+use crate::scene::Scene;
 
 /// What shading reads.
 pub(crate) struct ResidentScene {
@@ -40,8 +40,8 @@ impl ResidentScene {
         (vertices + size(&flat.tangents) + size(&flat.primitives) + size(&flat.instances) + texels) as u64
     }
 
-    pub fn upload(device: &Device, flat: &Flat, scene: &Scene) -> Result<Self, DeviceError> {
-        let Surfaces { materials, textures } = materials::ready(&scene.materials, &scene.images, Ambient::of(scene));
+    pub fn upload(device: &Device, flat: &Flat, scene: &Scene, surfaces: &Surfaces) -> Result<Self, DeviceError> {
+        let Surfaces { materials, textures, .. } = surfaces;
         Ok(Self {
             instances: device.upload(&flat.instances)?,
             primitives: device.upload(&flat.primitives)?,
@@ -51,23 +51,17 @@ impl ResidentScene {
             second_uvs: if flat.second_uvs.is_empty() { 0 } else { flat.uvs.len() as u32 },
             colors: device.upload(&flat.colors)?,
             tangents: device.upload(&flat.tangents)?,
-            materials: device.upload(&materials)?,
-            textures: device.upload(&textures)?,
+            materials: device.upload(materials)?,
+            textures: device.upload(textures)?,
             texels: device.upload(&materials::texels(scene))?,
             decode: device.upload(&materials::srgb_table())?,
         })
     }
 
     /// Takes over other materials of the same images.
-    pub fn set_materials(
-        &mut self,
-        device: &Device,
-        materials: &[scene::Material],
-        images: &[Image],
-        ambient: Ambient,
-    ) -> Result<(), DeviceError> {
-        let Surfaces { materials, textures } = materials::ready(materials, images, ambient);
-        (self.materials, self.textures) = (device.upload(&materials)?, device.upload(&textures)?);
+    pub fn set_materials(&mut self, device: &Device, surfaces: &Surfaces) -> Result<(), DeviceError> {
+        let Surfaces { materials, textures, .. } = surfaces;
+        (self.materials, self.textures) = (device.upload(materials)?, device.upload(textures)?);
         Ok(())
     }
 

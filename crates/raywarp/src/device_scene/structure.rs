@@ -7,9 +7,9 @@ use raywarp_core::screen::{AovRanges, DrawAov, ToneMapFilm};
 
 use crate::accel::two_level::{InstancedStats, Plan, TwoLevel, UpperTree};
 use crate::accel::{
-    cache, check_device, check_instances, drop_degenerate, Accel, AccelKind, Build, Quality, Rendered, ResidentBrute,
-    ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd, ResidentKdTrees, ResidentLists, ResidentTwoLevel, TreeBox,
-    TreeStats,
+    cache, check_device, check_instances, drop_degenerate, Accel, AccelKind, Build, Movable, Quality, Rendered,
+    ResidentBrute, ResidentBvh2, ResidentBvh8f, ResidentDual, ResidentKd, ResidentKdTrees, ResidentLists,
+    ResidentTwoLevel, TreeBox, TreeStats,
 };
 use crate::device::{Device, DeviceError};
 use crate::render::passes::FrameKernels;
@@ -106,10 +106,13 @@ impl Structure {
         resident.downcast_ref()
     }
 
-    /// The same, to be changed.
-    pub(super) fn resident_mut<R: Rendered>(&mut self) -> Option<&mut R> {
+    /// The same where its boxes can follow what moves.
+    pub(super) fn movable(&mut self) -> Option<Movable<'_>> {
         let resident: &mut dyn Any = &mut *self.resident;
-        resident.downcast_mut()
+        if resident.is::<ResidentDual>() {
+            return resident.downcast_mut::<ResidentDual>().map(Movable::from);
+        }
+        resident.downcast_mut::<ResidentBvh2>().map(Movable::from)
     }
 
     /// Whether meshes are placed by instances, which [move](super::DeviceScene::move_instances) without a change to any tree but that

@@ -41,6 +41,7 @@ pub use geometry::{intersect, world_triangle};
 pub use hit_buffers::HitBuffers;
 pub use hits::{AllHits, Hits};
 use kernels::QueryKernels;
+pub(crate) use launch::persistent;
 pub use ray_kind::{RayKind, UnknownRayKind};
 pub use raywarp_core::traversal::Tests;
 pub use timed::{Answers, Timed};

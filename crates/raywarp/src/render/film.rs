@@ -224,7 +224,7 @@ impl Tracer {
             tests: ViewMut::EMPTY,
             ticks: ViewMut::EMPTY,
         };
-        exposure.kernel_seconds = passes::shade(&self.device, self.kernels(), &pass)?.wait()?;
+        exposure.kernel_seconds = self.take_samples(options.integrator, &pass)?.wait()?;
         exposure.pixel_samples = step.pixel_samples(width);
         film.took(step, exposure.kernel_seconds);
         exposure.complete = film.samples >= options.spp && step.rows[1] == height;

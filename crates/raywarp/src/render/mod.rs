@@ -10,6 +10,7 @@ mod film;
 mod framing;
 mod options;
 pub(crate) mod passes;
+pub(crate) mod path;
 
 use std::sync::Arc;
 
@@ -18,7 +19,8 @@ use raywarp_core::kernels::{FirstHit, Frame};
 use raywarp_core::shade::whitted::Limits;
 use raywarp_core::traversal::Tests;
 use raywarp_core::view::ViewMut;
-use raywarp_device::kernels::Views;
+use raywarp_core::wavefront::shade::strategy;
+use raywarp_device::kernels::{Timed, Views};
 
 use crate::accel::Build;
 use crate::device::{Buffer, Device};
@@ -35,7 +37,7 @@ pub use costs::PixelCosts;
 pub use error::RenderError;
 pub use film::{Exposure, Film, Painted, Quantity};
 pub use framing::{chosen_camera, framing};
-pub use options::{RenderOptions, MAX_DEPTH, MAX_SIDE, MAX_SPP};
+pub use options::{Integrator, RenderOptions, MAX_DEPTH, MAX_SIDE, MAX_SPP};
 #[doc(hidden)]
 pub use passes::Pass;
 
@@ -45,6 +47,8 @@ pub struct Tracer {
     /// The scene's, with the shape of the blocks that are launched.
     device: Device,
     camera: Camera,
+    /// How paths find light: bits of [`strategy`].
+    strategies: u32,
 }
 
 /// The scene's first camera, or one that frames all of it from the front, right and above in a picture of the size that the
@@ -103,7 +107,7 @@ impl Tracer {
     /// [`SceneError::GeometryAlone`] for one that is for queries alone.
     pub fn of_scene(scene: Arc<DeviceScene>) -> Result<Self, RenderError> {
         let (device, camera) = (scene.device().clone(), scene.appearance()?.camera.clone());
-        Ok(Self { scene, device, camera })
+        Ok(Self { scene, device, camera, strategies: strategy::BOTH })
     }
 
     /// The scene, for others to hold.
@@ -122,6 +126,11 @@ impl Tracer {
     /// What became of the scene.
     pub fn report(&self) -> &Report {
         self.scene.report()
+    }
+
+    /// What an integrator adds to the lights by its own choice or leaves out, each a sentence without the full stop.
+    pub fn notes_of(&self, integrator: Integrator) -> Vec<String> {
+        self.scene.appearance().map_or(Vec::new(), |appearance| appearance.lighting.notes(integrator))
     }
 
     /// Where it traces.
@@ -187,9 +196,17 @@ impl Tracer {
                 tests: tests.view_mut(),
                 ticks: ViewMut::EMPTY,
             };
-            queue.push(band, passes::shade(&self.device, self.kernels(), &pass)?);
+            queue.push(band, self.take_samples(options.integrator, &pass)?);
         }
         finish(options, film, tests, queue.kernel_seconds, queue.launches, window)
+    }
+
+    /// Adds the samples of a pass to the film: enqueued, not waited for.
+    fn take_samples(&self, integrator: Integrator, pass: &passes::Pass) -> Result<Timed, RenderError> {
+        match integrator {
+            Integrator::Whitted => Ok(passes::shade(&self.device, self.kernels(), pass)?),
+            Integrator::Path => self.trace_paths(pass),
+        }
     }
 
     /// What the ray through the centre of each pixel meets first, row by row.

@@ -1,7 +1,7 @@
 //! What a picture may be asked to be.
 
 use raywarp_scene::settings::RenderDefaults;
-pub use raywarp_scene::settings::{MAX_DEPTH, MAX_SIDE, MAX_SPP};
+pub use raywarp_scene::settings::{Integrator, MAX_DEPTH, MAX_SIDE, MAX_SPP};
 
 use super::RenderError;
 
@@ -14,7 +14,10 @@ pub struct RenderOptions {
     pub size: [u32; 2],
     /// Samples a pixel, at least 1.
     pub spp: u32,
-    /// Bounces after the camera ray, at most [`MAX_DEPTH`].
+    /// How light is followed.
+    pub integrator: Integrator,
+    /// Bounces after the camera ray, at most [`MAX_DEPTH`]. Light is looked for at the last one too, so paths of light are
+    /// scattered once more often.
     pub max_depth: u32,
     /// Whether lights cast shadows.
     pub shadows: bool,
@@ -38,6 +41,7 @@ impl From<&RenderDefaults> for RenderOptions {
         Self {
             size: wanted.size(),
             spp: wanted.spp(),
+            integrator: wanted.integrator(),
             max_depth: wanted.max_depth(),
             shadows: wanted.shadows(),
             seed: wanted.seed(),
@@ -73,6 +77,9 @@ impl RenderOptions {
         }
         if self.max_depth > MAX_DEPTH {
             return refuse(format!("a depth of {} is not possible: it is 0 to {MAX_DEPTH}", self.max_depth));
+        }
+        if self.count_tests && self.integrator == Integrator::Path {
+            return refuse("tests are counted with the integrator whitted alone".to_owned());
         }
         let [left, top, right, bottom] = self.crop.unwrap_or([0, 0, width, height]);
         if left >= right || top >= bottom || right > width || bottom > height {

@@ -4,10 +4,12 @@ use std::marker::PhantomData;
 
 use raywarp_core::film::Pixel;
 use raywarp_core::kernels::{FirstHit, FirstHits, Frame, Whitted};
+use raywarp_core::ray::{HitArrays, Ray};
 use raywarp_core::shade::whitted::Limits;
 use raywarp_core::surface;
 use raywarp_core::traversal::{NullStatistics, RecordedStatistics, Structure, Tests};
-use raywarp_core::view::ViewMut;
+use raywarp_core::view::{View, ViewMut};
+use raywarp_core::wavefront::{Shadow, Visible};
 use raywarp_device::kernels::{Launchable, Timed};
 
 use crate::accel::{Rendered, TreeBox};
@@ -51,6 +53,12 @@ pub(crate) trait FrameKernels: QueryKernels {
     /// Finds the first hit of each pixel of a pass.
     fn first_hits(&self, pass: &Pass, first_hits: ViewMut<FirstHit>) -> Box<dyn Launchable>;
 
+    /// See [`Visible`].
+    fn visible(&self, scene: surface::Scene, rays: View<Ray>, cull: bool, hits: HitArrays) -> Box<dyn Launchable>;
+
+    /// See [`Shadow`].
+    fn shadow(&self, scene: surface::Scene, rays: View<Ray>, shares: ViewMut<f32>) -> Box<dyn Launchable>;
+
     /// Has the driver compile these kernels, so that no frame waits for it.
     fn load(&self, device: &Device) -> Result<(), DeviceError>;
 
@@ -68,6 +76,14 @@ impl<R: Rendered> FrameKernels for R {
 
     fn first_hits(&self, pass: &Pass, first_hits: ViewMut<FirstHit>) -> Box<dyn Launchable> {
         Box::new(FirstHits { structure: self.long(), scene: pass.scene, frame: pass.frame, first_hits })
+    }
+
+    fn visible(&self, scene: surface::Scene, rays: View<Ray>, cull: bool, hits: HitArrays) -> Box<dyn Launchable> {
+        Box::new(Visible { structure: self.long(), scene, rays, cull: cull as u32, hits })
+    }
+
+    fn shadow(&self, scene: surface::Scene, rays: View<Ray>, shares: ViewMut<f32>) -> Box<dyn Launchable> {
+        Box::new(Shadow { structure: self.long(), scene, rays, shares })
     }
 
     fn load(&self, device: &Device) -> Result<(), DeviceError> {

@@ -1,7 +1,8 @@
 //! Materials: the JSON's factors and textures to a [`Material`].
 //!
-//! Colours in factors are linear, those in textures sRGB. Phong's model cannot sample metallic, roughness, specular and
-//! transmission textures: the mean texel of each multiplies its factor.
+//! Colours in factors are linear, those in textures sRGB. What the file says of metal and roughness is kept for path tracing
+//! (`physical`). Beside it stands Phong's model, which cannot sample metallic, roughness, specular and transmission textures:
+//! the mean texel of each multiplies its factor.
 
 use ::gltf::json::extensions::material as extension;
 use ::gltf::json::material::{AlphaMode as JsonAlphaMode, Material as JsonMaterial};
@@ -11,6 +12,7 @@ use ::gltf::json::validation::Checked;
 use super::super::quote::quote;
 use super::super::LoadError;
 use super::phong::{at_most, reflectance_of, Surface};
+use super::physical;
 use super::texture::{self, Slot};
 use super::Reader;
 use crate::srgb::srgb_to_linear;
@@ -54,6 +56,7 @@ fn sets(reader: &mut Reader, json: &JsonMaterial) -> Result<Sets, LoadError> {
     slots.extend(base_texture(json).map(Slot::from));
     slots.extend(json.normal_texture.as_ref().map(|map| Slot::of_normal_map(reader.origin, map)).transpose()?);
     slots.extend(json.emissive_texture.as_ref().map(Slot::from));
+    slots.extend(physical::maps(json).map(Slot::from));
     let mut read: Vec<u32> = Vec::new();
     for slot in slots {
         if !read.contains(&slot.set) {
@@ -82,7 +85,7 @@ fn json(reader: &Reader, index: Option<usize>) -> Result<JsonMaterial, LoadError
     })
 }
 
-fn glossiness(json: &JsonMaterial) -> Option<&extension::PbrSpecularGlossiness> {
+pub(super) fn glossiness(json: &JsonMaterial) -> Option<&extension::PbrSpecularGlossiness> {
     json.extensions.as_ref()?.pbr_specular_glossiness.as_ref()
 }
 
@@ -101,6 +104,7 @@ fn convert(reader: &mut Reader, json: &JsonMaterial, sets: Sets, material: &mut 
     let [red, green, blue, opacity] = factor.map(unit);
     // Before the means: a picture that is kept is decoded once.
     material.diffuse_map = color_texture(reader, base_texture(json), sets)?;
+    let own = physical::read(reader, json, sets, [red, green, blue])?;
     let mut surface = match glossiness(json) {
         Some(glossiness) => glossy(reader, glossiness, [red, green, blue])?,
         None => metallic(reader, json, [red, green, blue])?,
@@ -114,6 +118,7 @@ fn convert(reader: &mut Reader, json: &JsonMaterial, sets: Sets, material: &mut 
     if material.unlit {
         unlit(material, surface.base);
     }
+    material.metallic_roughness = Some(own);
     material.opacity = opacity;
     material.alpha = alpha_mode(json);
     material.single_sided = !json.double_sided;
@@ -134,7 +139,7 @@ fn color_texture(reader: &mut Reader, info: Option<&Info>, sets: Sets) -> Result
     }
 }
 
-fn mean(reader: &mut Reader, info: Option<&Info>) -> Result<[f32; 4], LoadError> {
+pub(super) fn mean(reader: &mut Reader, info: Option<&Info>) -> Result<[f32; 4], LoadError> {
     match info {
         Some(info) => texture::mean(reader, &Slot::from(info)),
         None => Ok([1.0; 4]),
@@ -200,7 +205,7 @@ fn transmit(reader: &mut Reader, json: &JsonMaterial, surface: &mut Surface) -> 
 }
 
 /// What fills the closed surface; thin walls have nothing inside.
-fn volume(json: &JsonMaterial) -> Option<&extension::Volume> {
+pub(super) fn volume(json: &JsonMaterial) -> Option<&extension::Volume> {
     let volume = json.extensions.as_ref()?.volume.as_ref()?;
     (volume.thickness_factor.0 > 0.0).then_some(volume)
 }
@@ -215,7 +220,7 @@ fn absorption(json: &JsonMaterial) -> [f32; 3] {
 }
 
 /// The index of refraction, 1.5 where the file is silent or senseless.
-fn refraction(json: &JsonMaterial) -> f32 {
+pub(super) fn refraction(json: &JsonMaterial) -> f32 {
     let stated = json.extensions.as_ref().and_then(|extensions| extensions.ior.as_ref()).map(|ior| ior.ior.0);
     stated.filter(|ior| ior.is_finite() && *ior >= 1.0).unwrap_or(1.5)
 }
@@ -250,6 +255,6 @@ fn alpha_mode(json: &JsonMaterial) -> AlphaMode {
     }
 }
 
-fn unit(value: f32) -> f32 {
+pub(super) fn unit(value: f32) -> f32 {
     at_most(1.0, value)
 }

@@ -32,6 +32,7 @@ mod meshopt;
 mod nodes;
 mod origin;
 mod phong;
+mod physical;
 mod places;
 mod pose;
 mod skin;

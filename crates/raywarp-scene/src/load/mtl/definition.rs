@@ -30,6 +30,10 @@ pub(super) struct Definition {
     /// Tr; `d` holds where both stand, as programs disagree on what this one means.
     pub transparency: Option<f32>,
     pub illum: Option<i64>,
+    /// Pm.
+    pub metallic: Option<f32>,
+    /// Pr.
+    pub roughness: Option<f32>,
     pub ambient_map: Option<Map>,
     pub diffuse_map: Option<Map>,
     pub specular_map: Option<Map>,
@@ -37,11 +41,19 @@ pub(super) struct Definition {
     pub opacity_map: Option<Map>,
     pub bump_map: Option<Map>,
     pub normal_map: Option<Map>,
+    pub metallic_map: Option<Map>,
+    pub roughness_map: Option<Map>,
 }
 
 impl Definition {
     pub fn new(name: String, line: usize) -> Self {
         Self { name, line, ..Self::default() }
+    }
+
+    /// Whether it says anything of metal or roughness.
+    pub fn is_physical(&self) -> bool {
+        let maps = self.metallic_map.is_some() || self.roughness_map.is_some();
+        maps || self.metallic.is_some() || self.roughness.is_some()
     }
 
     /// Whether `Tr` alone says that there is nothing to see: written by programs that mean the opposite by it.
@@ -68,6 +80,8 @@ impl Definition {
             b"ni" => self.ior = reader.scalar()?,
             b"d" => self.dissolve = reader.dissolve()?,
             b"tr" => self.transparency = reader.scalar()?,
+            b"pm" => self.metallic = reader.scalar()?,
+            b"pr" => self.roughness = reader.scalar()?,
             b"illum" => self.illum = Some(reader.illum()?),
             b"map_ka" => self.ambient_map = reader.map()?,
             b"map_kd" => self.diffuse_map = reader.map()?,
@@ -75,6 +89,8 @@ impl Definition {
             b"map_ke" => self.emission_map = reader.map()?,
             b"map_d" => self.opacity_map = reader.map()?,
             b"bump" | b"map_bump" => self.bump_map = reader.map()?,
+            b"map_pm" => self.metallic_map = reader.map()?,
+            b"map_pr" => self.roughness_map = reader.map()?,
             b"norm" | b"map_norm" => self.normal_map = reader.map()?,
             _ => return Ok(false),
         }

@@ -19,6 +19,9 @@
 //!
 //! `Ns` below 1, or left out, weakens the highlight by as much: programs write 0 for none, and Phong's lobe of exponent 0
 //! would cover the half space.
+//!
+//! `Pm`, `Pr` and their maps are for path tracing: where there is one of them, `Kd` is the base colour, and what is no metal
+//! reflects 8 % of `Ks` from the front, of 0.5 where it is left out. Their maps multiply them.
 
 use std::path::Path;
 
@@ -27,7 +30,7 @@ use super::map::Map;
 use super::texels::{has_alpha, is_cutout, is_grey};
 use crate::load::images::is_fallback;
 use crate::load::{LoadError, Sources};
-use crate::{AlphaMode, Channel, Material, NormalMap, Scene, Texture};
+use crate::{AlphaMode, Channel, Material, MetallicRoughness, NormalMap, Scene, Texture};
 
 /// Where a cut-out begins.
 const CUTOUT: f32 = 0.5;
@@ -45,10 +48,20 @@ pub(super) fn material(
     material.diffuse_map = texture(&definition.diffuse_map, true)?;
     material.specular_map = texture(&definition.specular_map, false)?;
     material.emission_map = texture(&definition.emission_map, true)?;
+    let (metallic, roughness) = (texture(&definition.metallic_map, false)?, texture(&definition.roughness_map, false)?);
     let opacity = texture(&definition.opacity_map, false)?;
     let normal = texture(&definition.normal_map, false)?;
     let bump = texture(&definition.bump_map, false)?;
 
+    if definition.is_physical() {
+        // Nothing can stand in for numbers.
+        let there = |texture: &Texture| !is_fallback(&scene.images[texture.image as usize]);
+        material.metallic_roughness = Some(MetallicRoughness {
+            metallic_map: metallic.filter(there),
+            roughness_map: roughness.filter(there),
+            ..physical(&definition, &material)
+        });
+    }
     if let Some(texture) = opacity {
         cover(&mut material, &definition, texture, scene);
     }
@@ -91,6 +104,21 @@ fn values(definition: &Definition) -> Material {
         alpha: if opacity < 1.0 && !model.transmits { AlphaMode::Blend } else { AlphaMode::Opaque },
         unlit: model.unlit,
         ..defaults
+    }
+}
+
+/// Metal and roughness without maps: 0 and 1, but 1 where a map gives it.
+fn physical(definition: &Definition, material: &Material) -> MetallicRoughness {
+    let metallic = if definition.metallic_map.is_some() { 1.0 } else { 0.0 };
+    let specular = definition.specular.unwrap_or([0.5; 3]);
+    MetallicRoughness {
+        base_color: material.diffuse,
+        metallic: definition.metallic.unwrap_or(metallic).min(1.0),
+        roughness: definition.roughness.unwrap_or(1.0).min(1.0),
+        specular: if specular == [0.0; 3] { 0.0 } else { 1.0 },
+        ior: 1.5,
+        specular_color: specular.map(|channel| 2.0 * channel),
+        ..MetallicRoughness::of_phong(material)
     }
 }
 

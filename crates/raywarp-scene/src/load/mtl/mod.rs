@@ -119,7 +119,7 @@ impl<'a> Library<'a> {
         }
         self.warn_of_hidden(path, sources)?;
         if self.physical.is_some() {
-            let message = "statements of the physically based extension (Pr, Pm, ...) are skipped; Kd, Ks and Ns count";
+            let message = "statements of the physically based extension beside Pr and Pm (Ps, Pc, ...) are skipped";
             sources.warn(path, self.physical, message)?;
         }
         for kind in &self.unknown.kinds {
@@ -167,10 +167,8 @@ impl Faulty {
 /// They ask for nothing that a ray tracer would do otherwise.
 const IGNORED: [&[u8]; 2] = [b"map_aat", b"sharpness"];
 
-const PHYSICAL: [&[u8]; 14] = [
-    b"pr", b"pm", b"ps", b"pc", b"pcr", b"aniso", b"anisor", b"map_pr", b"map_pm", b"map_ps", b"map_pc", b"map_pcr",
-    b"map_rma", b"map_orm",
-];
+const PHYSICAL: [&[u8]; 10] =
+    [b"ps", b"pc", b"pcr", b"aniso", b"anisor", b"map_ps", b"map_pc", b"map_pcr", b"map_rma", b"map_orm"];
 
 fn unknown(kind: &Kind) -> String {
     let statements = if kind.count == 1 { "statement is" } else { "statements are" };

@@ -216,11 +216,20 @@ fn missing_maps_neither_bend_nor_cut() {
 }
 
 #[test]
+fn metal_and_roughness_are_kept_for_path_tracing() {
+    let own = material("Kd 0.8 0.4 0.2\nPm 0.25\nmap_Pr grey.png\nKs 0.5").metallic_roughness.unwrap();
+    assert_eq!((own.base_color, own.metallic, own.roughness), ([0.8, 0.4, 0.2], 0.25, 1.0));
+    assert!(own.roughness_map.is_some() && (own.reflectance()[0] - 0.04).abs() < 1e-6);
+    assert!(material("map_Pr gone.png").metallic_roughness.unwrap().roughness_map.is_none());
+    assert_eq!(material("Kd 0.8\nNs 10").metallic_roughness, None);
+}
+
+#[test]
 fn what_is_unknown_is_one_warning_a_keyword() {
     assert_eq!(
-        warnings("Pr 1\nPm 0\nmap_Pr x.png\nrefl a.png\nrefl b.png\nxyz 1\nsharpness 60"),
+        warnings("Ps 1\nPc 0\nmap_Ps x.png\nrefl a.png\nrefl b.png\nxyz 1\nsharpness 60"),
         [
-            "x.mtl:2: statements of the physically based extension (Pr, Pm, ...) are skipped; Kd, Ks and Ns count",
+            "x.mtl:2: statements of the physically based extension beside Pr and Pm (Ps, Pc, ...) are skipped",
             "x.mtl:5: 2 'refl' statements are skipped (not supported)",
             "x.mtl:7: 1 'xyz' statement is skipped (not supported)",
         ]

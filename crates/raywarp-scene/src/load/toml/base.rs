@@ -58,7 +58,7 @@ impl BaseTable {
             scene.cameras = usual.cameras;
         }
         if !self.background {
-            scene.background = usual.background;
+            (scene.background, scene.environment) = (usual.background, None);
         }
         if !self.ambient {
             scene.ambient = usual.ambient;

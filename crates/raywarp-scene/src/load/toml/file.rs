@@ -43,9 +43,19 @@ pub struct File {
     #[serde(default)]
     pub paths: Vec<Spanned<super::path::Path>>,
     pub background: Option<Background>,
+    pub environment: Option<Spanned<Environment>>,
     pub ambient: Option<Color>,
     #[serde(default)]
     pub render: Table<RenderDefaults>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Environment {
+    pub file: String,
+    /// In degrees.
+    pub rotation: Option<Finite>,
+    pub strength: Option<NonNegative>,
 }
 
 #[derive(Clone, Copy, Default, Deserialize, PartialEq)]
@@ -179,6 +189,9 @@ pub struct MaterialKeys {
     pub opacity_map: Option<Spanned<Texture>>,
     pub normal_map: Option<Spanned<Texture>>,
     pub height_map: Option<Spanned<Texture>>,
+    pub metallic_map: Option<Spanned<Texture>>,
+    pub roughness_map: Option<Spanned<Texture>>,
+    pub transmission_map: Option<Spanned<Texture>>,
 }
 
 /// A light: its parameters, and what stands for some of them.
@@ -211,7 +224,8 @@ macro_rules! others {
 }
 
 others! {
-    MaterialKeys: name replaces diffuse_map specular_map emission_map opacity_map normal_map height_map;
+    MaterialKeys: name replaces diffuse_map specular_map emission_map opacity_map normal_map height_map metallic_map
+        roughness_map transmission_map;
     LightKeys: name target intensity inner outer;
 }
 

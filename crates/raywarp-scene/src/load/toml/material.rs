@@ -7,7 +7,7 @@ use super::file;
 use super::{texture, Failure, Reader};
 use crate::load::images::{self, Asker};
 use crate::schema::Described;
-use crate::{AlphaMode, Channel, Filter, Material, NormalMap, Texture, Wrap};
+use crate::{AlphaMode, Channel, Filter, Material, MetallicRoughness, NormalMap, Texture, Wrap};
 
 impl Reader<'_> {
     /// A material of this file.
@@ -46,6 +46,22 @@ impl Reader<'_> {
         set(&mut material.emission_map, self.map(&others.emission_map, true)?);
         set(&mut material.opacity_map, self.opacity_map(others)?);
         set(&mut material.normal_map, self.normal_map(others, at)?);
+        self.physical_maps(others, material)
+    }
+
+    /// Maps of numbers of the metallic-roughness model, which a material has from then on.
+    fn physical_maps(&mut self, others: &file::MaterialKeys, material: &mut Material) -> Result<(), Failure> {
+        let maps = [&others.metallic_map, &others.roughness_map, &others.transmission_map];
+        let [metallic, roughness, transmission] = maps.map(|map| self.map(map, false));
+        let (metallic, roughness, transmission) = (metallic?, roughness?, transmission?);
+        if [metallic, roughness, transmission].iter().all(Option::is_none) {
+            return Ok(());
+        }
+        let phong = MetallicRoughness::of_phong(material);
+        let own = material.metallic_roughness.get_or_insert(phong);
+        set(&mut own.metallic_map, metallic);
+        set(&mut own.roughness_map, roughness);
+        set(&mut own.transmission_map, transmission);
         Ok(())
     }
 

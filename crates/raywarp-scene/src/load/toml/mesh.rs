@@ -7,7 +7,7 @@ use super::file::{self, Normals};
 use super::values::Coordinate;
 use super::{Failure, Group, Reader};
 use crate::load::{self, precision::Rounding};
-use crate::{normals, Instance, Material, Mesh, Scene, Transform};
+use crate::{normals, Instance, Material, Mesh, MetallicRoughness, Scene, Transform};
 
 /// In bytes; no system has longer ones by much.
 const LONGEST_NAME: usize = 1024;
@@ -185,6 +185,10 @@ fn with_images_from(mut material: Material, first: u32) -> Material {
     let maps =
         [&mut material.diffuse_map, &mut material.specular_map, &mut material.emission_map, &mut material.opacity_map];
     for texture in maps.into_iter().flatten() {
+        texture.image += first;
+    }
+    let physical = material.metallic_roughness.iter_mut().flat_map(MetallicRoughness::maps_mut);
+    for texture in physical.flatten() {
         texture.image += first;
     }
     use crate::NormalMap::{Height, Tangent};

@@ -24,10 +24,11 @@ use std::path::{Path, PathBuf};
 
 use self::complaint::Complaint;
 use self::file::{File, Name};
+use super::environment::from_file as load_environment;
 use super::precision::Rounding;
 use super::quote::file_name;
 use super::{LoadError, LoadOptions, Place, Sources};
-use crate::{Camera, CameraPath, Instance, Light, Scene, Transform};
+use crate::{radians, Camera, CameraPath, Environment, Instance, Light, Scene, Transform};
 
 /// The version of the format.
 const VERSION: i64 = 1;
@@ -174,8 +175,22 @@ impl Reader<'_> {
         self.paths(file)?;
         self.turn_upright(file);
         self.scene.background = file.background.as_ref().map(light::background).or(self.scene.background);
+        self.environment(file)?;
         self.scene.ambient = file.ambient.map(|color| color.0).or(self.scene.ambient);
         file.render.given.apply(&mut self.scene.render);
+        Ok(())
+    }
+
+    /// The file's own environment counts instead of that of its base.
+    fn environment(&mut self, file: &File) -> Result<(), Failure> {
+        let Some(entry) = &file.environment else { return Ok(()) };
+        let entry = entry.get_ref();
+        let read = load_environment(&self.folder.join(&entry.file), self.sources)?;
+        self.scene.environment = Some(Environment {
+            rotation: radians(entry.rotation.as_ref().map_or(0.0, |angle| angle.0.into())),
+            strength: entry.strength.as_ref().map_or(1.0, |strength| strength.0),
+            ..read
+        });
         Ok(())
     }
 

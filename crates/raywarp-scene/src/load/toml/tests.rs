@@ -264,12 +264,12 @@ fn no_message_speaks_of_the_program() {
         ("moves", "instance translate rotate scale matrix"),
         (
             "materials",
-            "name replaces diffuse shininess reflection ior fresnel opacity alpha unlit diffuse_map normal_map",
+            "name replaces diffuse shininess reflection ior fresnel opacity alpha unlit diffuse_map normal_map base_color metallic thin_walled roughness_map",
         ),
         ("lights", "name kind position color intensity attenuation range inner"),
         ("cameras", "name eye target fov height"),
         ("paths", "name closed duration keys"),
-        ("render", "size samples spp max_depth shadows seed exposure tone_map accel tree"),
+        ("render", "size samples spp integrator max_depth shadows seed exposure tone_map accel tree"),
     ];
     let top = keys.iter().map(|key| format!("{key} = "));
     let inner = within.iter().flat_map(|(table, keys)| {

@@ -5,7 +5,7 @@
 //! under way goes on when the tree under it changes. `structures` has the trees, and what moves.
 //!
 //! Lights, materials and places of instances change on the device as they are. Where meshes are placed by instances, a move is
-//! a transform, and the tree over them is made anew; where all is in world space, boxes are refitted. There only a `bvh2` can follow
+//! a transform, and the tree over them is made anew; where all is in world space, boxes are refitted. There only a `bvh2` or a `bvh` can follow
 //! what moves: another structure gives way to one at the first move, and comes back when all has been at rest for a while.
 
 mod beside;

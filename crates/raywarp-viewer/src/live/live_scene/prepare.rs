@@ -9,7 +9,7 @@ use raywarp::device::Device;
 use raywarp::device_scene::{world_triangles, Levels, Structure};
 use raywarp::render::{self, Tracer};
 use raywarp::scene::load::{self, Attempt};
-use raywarp::scene::{Background, Camera, Instance, LoadOptions, Loaded, Material, RenderDefaults, Scene};
+use raywarp::scene::{Background, Camera, Instance, LoadOptions, Loaded, Material, Scene};
 
 use super::{LiveSceneOptions, Source};
 use crate::live::edits::Edits;
@@ -93,7 +93,7 @@ impl Order {
         };
         edits.apply(&mut scene);
         let overrides = self.options.overrides.or(&read.render);
-        let build = |overrides| build_of(overrides, &self.device, self.options.cached);
+        let build = |overrides| Build::wished(overrides, &self.device, self.options.cached);
         let (first, natural) = (build(&overrides), build(&read.render));
         let good = self.chosen.unwrap_or(first);
         let count: usize =
@@ -133,13 +133,6 @@ impl Order {
     }
 }
 
-/// The structure that is worth its time.
-fn build_of(overrides: &RenderDefaults, device: &Device, cached: bool) -> Build {
-    // A bvh2 traces pictures on a GPU as fast as what is fastest for all kinds of rays, and can follow what moves.
-    let usual = device.is_cuda().then_some(AccelKind::Bvh2);
-    Build::wished(&RenderDefaults { accel: overrides.accel.or(usual), ..*overrides }, device, cached)
-}
-
 /// The tree that people wait for.
 fn quick(good: Build) -> Build {
     Build { quality: Quality::Fast, cached: false, ..good }
@@ -147,7 +140,7 @@ fn quick(good: Build) -> Build {
 
 /// The tree that can follow what moves.
 pub fn movable() -> Build {
-    quick(Build { kind: AccelKind::Bvh2, ..Build::default() })
+    quick(Build::from(AccelKind::Bvh))
 }
 
 /// Another structure for a scene, with its kernels.

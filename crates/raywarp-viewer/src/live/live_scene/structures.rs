@@ -153,7 +153,8 @@ impl LiveScene {
             self.reload();
             return Ok(());
         }
-        if !is_instanced && (self.motion.stale || ready.tracer.scene().structure().kind != Some(AccelKind::Bvh2)) {
+        let follows = matches!(ready.tracer.scene().structure().kind, Some(AccelKind::Bvh2 | AccelKind::Bvh));
+        if !is_instanced && (self.motion.stale || !follows) {
             if self.building.as_ref().is_none_or(|building| building.shape.is_some()) {
                 self.build(prepare::movable(), None);
             }

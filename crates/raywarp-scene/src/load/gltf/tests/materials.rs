@@ -1,5 +1,5 @@
 use super::*;
-use crate::{AlphaMode, Filter, Material, NormalMap, Wrap};
+use crate::{AlphaMode, Channel, Filter, Material, NormalMap, Wrap};
 
 /// A picture of one texel.
 fn plain(texel: [u8; 3]) -> Vec<u8> {
@@ -257,4 +257,27 @@ fn a_texture_on_a_mesh_without_coordinates_is_a_warning_and_the_plain_color() {
     assert!(textured.diffuse_map.is_some() && textured.normal_map.is_some());
     assert!(plain.diffuse_map.is_none() && plain.normal_map.is_none() && plain.diffuse == [0.5; 3]);
     assert_eq!(loaded.scene.meshes.iter().map(|mesh| mesh.materials[0]).collect::<Vec<_>>(), [0, 1]);
+}
+
+#[test]
+fn metal_and_roughness_are_kept_with_their_textures() {
+    let own = |json: &str| material(json).metallic_roughness.unwrap();
+    let paint = own(r#"{"pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,1,0.5],"metallicFactor":0.5,
+        "roughnessFactor":0.75,"metallicRoughnessTexture":{"index":1}}}"#);
+    assert_eq!((paint.base_color, paint.metallic, paint.roughness), ([0.5, 0.25, 1.0], 0.5, 0.75));
+    let (metallic, roughness) = (paint.metallic_map.unwrap(), paint.roughness_map.unwrap());
+    assert_eq!((metallic.channel, roughness.channel), (Channel::Blue, Channel::Green));
+    assert_eq!((metallic.filter, metallic.wrap, metallic.srgb), (Filter::Nearest, [Wrap::Clamp, Wrap::Mirror], false));
+
+    let glass = |volume: &str| {
+        own(&format!(
+            r#"{{"pbrMetallicRoughness":{{"metallicFactor":0}},"extensions":{{"KHR_materials_ior":{{"ior":1.33}},
+            "KHR_materials_specular":{{"specularFactor":0.5,"specularColorFactor":[1,0.5,2]}},
+            "KHR_materials_transmission":{{"transmissionFactor":0.25,"transmissionTexture":{{"index":0}}}}{volume}}}}}"#
+        ))
+    };
+    let thin = glass("");
+    assert_eq!((thin.ior, thin.specular, thin.specular_color), (1.33, 0.5, [1.0, 0.5, 2.0]));
+    assert_eq!((thin.transmission, thin.transmission_map.unwrap().channel, thin.thin), (0.25, Channel::Red, true));
+    assert!(!glass(r#","KHR_materials_volume":{"thicknessFactor":0.5}"#).thin);
 }
