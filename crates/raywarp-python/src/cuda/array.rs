@@ -229,7 +229,7 @@ impl DeviceArray {
 
 impl DlpackExporter for DeviceArray {
     fn device(&self) -> DLDevice {
-        DLDevice::cuda(self.memory.device.cuda_index().unwrap_or(0) as _)
+        self.memory.device.cuda_index().map_or(DLDevice::CPU, |index| DLDevice::cuda(index as _))
     }
 
     fn flags(&self) -> DlpackFlags {

@@ -2,7 +2,7 @@
 
 use std::ffi::c_void;
 
-use dlpark::ffi::DLDevice;
+use dlpark::ffi::{DLDevice, DLDeviceType};
 use dlpark::python::consumer::stream;
 use dlpark::python::{DlpackStream, StreamArg};
 use pyo3::prelude::*;
@@ -43,8 +43,11 @@ impl CallStream {
 
 // SAFETY: the stream is the library's, and alive during its call.
 unsafe impl DlpackStream for CallStream {
-    fn as_python_arg(&self, _: Python<'_>, _: DLDevice) -> PyResult<StreamArg> {
-        Ok(stream::cuda(self.handle as *mut c_void))
+    fn as_python_arg(&self, _: Python<'_>, device: DLDevice) -> PyResult<StreamArg> {
+        Ok(match device.device_type {
+            DLDeviceType::CPU => stream::none(),
+            _ => stream::cuda(self.handle as *mut c_void),
+        })
     }
 
     unsafe fn wait_for_producer(&self, _: DLDevice, producer: *mut c_void) -> PyResult<bool> {

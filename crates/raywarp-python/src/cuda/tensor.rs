@@ -105,8 +105,15 @@ impl Tensor {
     fn by_dlpack(object: &Bound<'_, PyAny>, what: &'static str, stream: &CallStream) -> PyResult<Self> {
         let request = ImportRequest::new(object.as_borrowed())?;
         let device = request.device()?;
-        let on_cuda = matches!(device.device_type, DLDeviceType::CUDA | DLDeviceType::CUDAMANAGED);
-        if !on_cuda || stream.device.cuda_index() != usize::try_from(device.device_id).ok() {
+        // On the CPU all is as on a GPU but for the order of streams: so that is tested without one.
+        let is_here = match (device.device_type, stream.device.cuda_index()) {
+            (DLDeviceType::CUDA | DLDeviceType::CUDAMANAGED, Some(index)) => {
+                usize::try_from(device.device_id) == Ok(index)
+            }
+            (DLDeviceType::CPU, None) => true,
+            _ => false,
+        };
+        if !is_here {
             return Err(elsewhere(what, stream));
         }
         let imported = request.import(Some(stream), None)?;
