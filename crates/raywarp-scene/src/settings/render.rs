@@ -89,8 +89,8 @@ settings! {
         (&["renderer", "render-mode", "engine", "pathtrace", "path-tracing"], "path");
     Shading max_depth: u32 = 5, "max_depth", "N", Kind::Count { low: 0, high: MAX_DEPTH },
         Some(PanelRow::ranged("Bounces", [0.0, MAX_DEPTH as f32], 1.0)),
-        "Bounces after which a path ends, 0 to 16: mirrored and refracted rays in a row, of path scattered ones too; light is \
-         looked for at the last one too",
+        "Bounces, 0 to 16: mirrored and refracted rays in a row, with path rays scattered in any way; light is looked for at the \
+         last one too",
         (&["bounces", "max-bounces", "depth", "recursion", "max-recursion", "ray-depth"], "8");
     Shading shadows: bool = true, "shadows", "",
         Kind::Flag {

@@ -34,18 +34,28 @@ pub(super) struct Bands {
     /// In pixel samples.
     pace: Pace,
     done: u64,
+    /// Pixels of a launch where they are to be as many as that, however few samples.
+    pixels: Option<u32>,
 }
 
 impl Bands {
     pub fn new(window: Window, spp: u32, gpu: bool) -> Self {
-        Self { window, spp, row: 0, rows: 0, sample: 0, pace: Pace::new(gpu), done: 0 }
+        Self { window, spp, row: 0, rows: 0, sample: 0, pace: Pace::new(gpu), done: 0, pixels: None }
+    }
+
+    /// The same in launches of about so many pixels where there are, with as few samples of each as suit.
+    pub fn wide(window: Window, spp: u32, gpu: bool, pixels: u32) -> Self {
+        Self { pixels: Some(pixels), ..Self::new(window, spp, gpu) }
     }
 
     /// The next launch; none when all is done.
     pub fn next(&mut self) -> Option<Band> {
         let [width, height] = self.window.extent;
         if self.sample == 0 {
-            let fitting = self.pace.items() / (width as f64 * self.spp as f64);
+            let fitting = match self.pixels {
+                Some(pixels) => f64::from(pixels / width),
+                None => self.pace.items() / (width as f64 * self.spp as f64),
+            };
             self.rows = (fitting as u32 / ROWS * ROWS).clamp(ROWS, height.next_multiple_of(ROWS));
             self.rows = self.rows.min(height - self.row);
         }
@@ -90,18 +100,19 @@ mod tests {
         for (extent, spp, seconds) in [([7, 5], 1, 0.1), ([640, 100], 9, 0.4), ([33, 17], 1000, 3.0), ([1, 1], 1, 0.0)]
         {
             let window = Window { origin: [3, 4], extent };
-            let mut bands = Bands::new(window, spp, false);
-            let mut next_sample = vec![0; extent[1] as usize];
-            while let Some(band) = bands.next() {
-                assert_eq!((band.origin[0], band.extent[0]), (3, extent[0]));
-                for row in band.origin[1] - 4..band.origin[1] - 4 + band.extent[1] {
-                    assert_eq!(next_sample[row as usize], band.samples[0]);
-                    next_sample[row as usize] = band.samples[1];
+            for mut bands in [Bands::new(window, spp, false), Bands::wide(window, spp, true, 2000)] {
+                let mut next_sample = vec![0; extent[1] as usize];
+                while let Some(band) = bands.next() {
+                    assert_eq!((band.origin[0], band.extent[0]), (3, extent[0]));
+                    for row in band.origin[1] - 4..band.origin[1] - 4 + band.extent[1] {
+                        assert_eq!(next_sample[row as usize], band.samples[0]);
+                        next_sample[row as usize] = band.samples[1];
+                    }
+                    bands.took(&band, seconds);
                 }
-                bands.took(&band, seconds);
+                assert!(next_sample.iter().all(|&s| s == spp));
+                assert_eq!(bands.done(), bands.total());
             }
-            assert!(next_sample.iter().all(|&s| s == spp));
-            assert_eq!(bands.done(), bands.total());
         }
     }
 }

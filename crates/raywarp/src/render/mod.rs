@@ -177,7 +177,12 @@ impl Tracer {
         let scene = appearance.view(&lights);
         let camera = camera::kernel_camera(camera, options.size)?;
         let is_gpu = self.device.is_cuda();
-        let mut queue = BandQueue::new(Bands::new(window, options.spp, is_gpu), is_gpu, progress);
+        let wide = path::pixels_to_fill(&self.device).filter(|_| options.integrator == Integrator::Path);
+        let bands = match wide {
+            Some(pixels) => Bands::wide(window, options.spp, is_gpu, pixels),
+            None => Bands::new(window, options.spp, is_gpu),
+        };
+        let mut queue = BandQueue::new(bands, is_gpu, progress);
         while let Some(band) = queue.next()? {
             let frame = Frame {
                 camera,

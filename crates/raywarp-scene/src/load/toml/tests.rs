@@ -248,6 +248,7 @@ fn no_message_speaks_of_the_program() {
         "base",
         "up",
         "background",
+        "environment",
         "ambient",
         "meshes",
         "instances",

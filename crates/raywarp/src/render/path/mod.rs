@@ -21,6 +21,7 @@ use crate::device::{Buffer, Device, DeviceError};
 use crate::device_scene::{Lighting, Surfaces};
 use emitters::{Emitters, Others, Part};
 use environment::ResidentEnvironment;
+pub(super) use stages::pixels_to_fill;
 pub(crate) use stages::Openings;
 use stages::{Paths, Stages};
 
@@ -135,7 +136,8 @@ impl Resident {
 }
 
 impl Tracer {
-    /// Has paths find light by some ways only, bits of [`strategy`](raywarp_core::wavefront::shade::strategy): for tests, as the mean is the same.
+    /// Has paths find light by some ways only, bits of [`strategy`](raywarp_core::wavefront::shade::strategy): for tests, as
+    /// the mean is the same.
     #[doc(hidden)]
     pub fn set_strategies(&mut self, strategies: u32) {
         self.strategies = strategies;

@@ -68,6 +68,12 @@ impl Paths {
     }
 }
 
+/// Pixels that a launch should have at least, where that is more than a pace asks for: a sample at a time of few would leave a
+/// GPU idle.
+pub fn pixels_to_fill(device: &Device) -> Option<u32> {
+    device.is_cuda().then_some(MOST_ON_GPU)
+}
+
 /// Rows of so many columns.
 fn rows_at_once(device: &Device, width: u32) -> u32 {
     let most = if device.is_cuda() { MOST_ON_GPU } else { MOST_ON_CPU };
