@@ -156,7 +156,9 @@ fn the_second_build_is_found() {
         let what = Build { kind: AccelKind::Bvh2, quality, cached: true };
         let first = build_cached(what, triangles(5000), Some(&cache)).unwrap();
         let second = build_cached(what, triangles(5000), Some(&cache)).unwrap();
-        assert!(!first.found && second.found && first.warning.is_none() && second.warning.is_none());
+        // Fast trees are there sooner than a file.
+        assert!(!first.found && second.found == (quality != Quality::Fast));
+        assert!(first.warning.is_none() && second.warning.is_none());
         let (Accel::Bvh2(first), Accel::Bvh2(second)) = (first.accel, second.accel) else { panic!("another kind") };
         assert!(first.nodes == second.nodes && first.triangles == second.triangles);
     }
@@ -165,7 +167,7 @@ fn the_second_build_is_found() {
     fs::write(&path, b"nonsense").unwrap();
     let found = Quality::ALL
         .map(|quality| build_cached(Build { quality, ..HIGH }, triangles(5000), Some(&cache)).unwrap().found);
-    assert_eq!(found.iter().filter(|&&found| found).count(), 2);
+    assert_eq!(found.iter().filter(|&&found| found).count(), 1);
     assert!(fs::metadata(&path).unwrap().len() > 1000);
 }
 
