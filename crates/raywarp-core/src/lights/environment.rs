@@ -39,7 +39,7 @@ impl Environment {
         if self.texels.is_empty() {
             return self.sky.radiance(direction);
         }
-        let [u, v] = coordinates(self.to_local(direction));
+        let [u, v] = coordinates(self.in_own_axes(direction));
         self.bilinear(u * self.size[0] as f32 - 0.5, v * self.size[1] as f32 - 0.5) * self.strength
     }
 
@@ -71,7 +71,7 @@ impl Environment {
         let cosine = arch::fma(below - above, y, above);
         let sine = arch::sqrt(arch::max((1.0 - cosine) * (1.0 + cosine), 0.0));
         let (z, x) = sin_cos_of_turns((column as f32 + x) / columns as f32 - 0.5);
-        let towards = self.to_world(vec3(x * sine, cosine, z * sine)).normalize();
+        let towards = self.in_world_axes(vec3(x * sine, cosine, z * sine)).normalize();
         Incidence {
             towards,
             t_max: f32::INFINITY,
@@ -84,7 +84,7 @@ impl Environment {
     /// Probability per solid angle with which [`sample`](Self::sample) finds a direction.
     #[inline(always)]
     pub fn density(&self, direction: Vec3) -> f32 {
-        let [u, v] = coordinates(self.to_local(direction));
+        let [u, v] = coordinates(self.in_own_axes(direction));
         let [columns, rows] = self.cells;
         let column = core::cmp::min((u * columns as f32) as u32, columns - 1);
         let row = core::cmp::min((v * rows as f32) as u32, rows - 1);
@@ -92,13 +92,13 @@ impl Environment {
     }
 
     #[inline(always)]
-    fn to_local(&self, v: Vec3) -> Vec3 {
+    fn in_own_axes(&self, v: Vec3) -> Vec3 {
         let [x, y, z] = self.rows;
         vec3(x.dot(v), y.dot(v), z.dot(v))
     }
 
     #[inline(always)]
-    fn to_world(&self, v: Vec3) -> Vec3 {
+    fn in_world_axes(&self, v: Vec3) -> Vec3 {
         let [x, y, z] = self.rows;
         x.mul_add(v.x, y.mul_add(v.y, z * v.z))
     }

@@ -121,7 +121,7 @@ impl Stages<'_> {
     unsafe fn sample(&mut self, pass: &Pass, frame: Frame) -> Result<(), DeviceError> {
         let slots = frame.extent[0] * frame.extent[1];
         let (rays, paths) = (self.paths.rays.view_mut().first(slots), self.paths.paths.view_mut().first(slots));
-        // SAFETY (of all below): the buffers live as long as the tracer, which frees them in the order of the stream.
+        // SAFETY: the buffers live as long as the tracer, which frees them in the order of the stream.
         unsafe {
             self.run(&CameraRays { frame, rays, paths }, slots)?;
             let last = pass.limits.depth + 1;
