@@ -97,53 +97,27 @@ impl Advise for RenderError {
     }
 }
 
-impl Advise for BuildError {
-    fn advice(&self) -> Option<String> {
-        match self {
-            Self::Device(error) => error.advice(),
-            _ => None,
-        }
-    }
+/// Errors that are about the device, or about what they say.
+macro_rules! of_the_device {
+    ($($error:ty),* $(,)?) => {$(
+        impl Advise for $error {
+            fn advice(&self) -> Option<String> {
+                let Self::Device(error) = self else { return None };
+                error.advice()
+            }
 
-    fn exit(&self) -> Exit {
-        match self {
-            Self::Device(error) => error.exit(),
-            _ => Exit::Usage,
+            fn exit(&self) -> Exit {
+                if let Self::Device(error) = self {
+                    error.exit()
+                } else {
+                    Exit::Usage
+                }
+            }
         }
-    }
+    )*};
 }
 
-impl Advise for SceneError {
-    fn advice(&self) -> Option<String> {
-        match self {
-            Self::Device(error) => error.advice(),
-            _ => None,
-        }
-    }
-
-    fn exit(&self) -> Exit {
-        match self {
-            Self::Device(error) => error.exit(),
-            _ => Exit::Usage,
-        }
-    }
-}
-
-impl Advise for QueryError {
-    fn advice(&self) -> Option<String> {
-        match self {
-            Self::Device(error) => error.advice(),
-            _ => None,
-        }
-    }
-
-    fn exit(&self) -> Exit {
-        match self {
-            Self::Device(error) => error.exit(),
-            _ => Exit::Usage,
-        }
-    }
-}
+of_the_device!(BuildError, SceneError, QueryError);
 
 impl Advise for ImageError {
     fn advice(&self) -> Option<String> {
