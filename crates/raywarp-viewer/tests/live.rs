@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use crate::session::{developed, device, Session, SIZE, SPP};
 use raywarp::accel::{AccelKind, Quality};
 use raywarp::image::Development;
-use raywarp::render::{RenderOptions, Tracer};
+use raywarp::render::{Integrator, RenderOptions, Tracer};
 use raywarp::scene::{load, Camera, RenderDefaults};
 use raywarp_viewer::live::{Event, LiveScene, LiveSceneOptions, Modifiers, Outcome, Source};
 use raywarp_viewer::ViewerError;
@@ -36,6 +36,20 @@ fn at_rest_the_picture_becomes_that_of_render_to_the_bit() {
     assert!(status.kernel_ms + status.fetch_ms <= status.frame_ms, "{status:?}");
     // Nothing happens: nothing is rendered.
     assert!(session.frame().is_none() && !session.viewer.wants_frame(&session.live_scene));
+}
+
+#[test]
+fn paths_settle_to_the_picture_of_render_too() {
+    let overrides = RenderDefaults { integrator: Some(Integrator::Path), ..RenderDefaults::default() };
+    let mut session = Session::new(LiveSceneOptions { overrides, ..LiveSceneOptions::default() });
+    let options = RenderOptions { integrator: Integrator::Path, ..RenderOptions::default() };
+    assert!(session.settle().pop().unwrap().rgba == rendered(None, &options, &Development::default()));
+    session.drag(0.6);
+    assert!(!session.frame().expect("a picture of the camera that moved").settled);
+    session.drop_it();
+    let after = session.settle().pop().unwrap();
+    let camera = session.viewer.camera().unwrap().clone();
+    assert!(after.rgba == rendered(Some(&camera), &options, &Development::default()));
 }
 
 #[test]
