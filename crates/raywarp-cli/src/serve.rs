@@ -43,12 +43,13 @@ pub fn view(options: &ViewOptions) -> Result<()> {
 
 fn show(server: Server, source: Source, live: &LiveOptions, told: impl FnOnce(&Server)) -> Result<()> {
     limit_threads(live.machine.threads)?;
+    let options = live.live_scene()?;
     let device = Device::open(live.machine.device)?;
     messages::fallback(&device);
     end_on_interrupt(server.stopper());
     announce(&server, source.path.as_deref())?;
     told(&server);
-    server.run(|| LiveScene::open(source, device, live.live_scene()))?;
+    server.run(|| LiveScene::open(source, device, options))?;
     std::process::exit(INTERRUPTED)
 }
 

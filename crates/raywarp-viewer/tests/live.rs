@@ -1,12 +1,13 @@
 //! The interactive core as a front end uses it, on the CPU or on the device that `RAYWARP_TEST_DEVICE` names.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::session::{developed, device, Session, SIZE, SPP};
 use raywarp::accel::{AccelKind, Quality};
 use raywarp::image::Development;
 use raywarp::render::{Integrator, RenderOptions, Tracer};
-use raywarp::scene::{load, Camera, RenderDefaults};
+use raywarp::scene::{load, Camera, Environment, Radiance, RenderDefaults};
 use raywarp_viewer::live::{Event, LiveScene, LiveSceneOptions, Modifiers, Outcome, Source};
 use raywarp_viewer::ViewerError;
 
@@ -250,6 +251,15 @@ fn a_background_takes_the_place_of_the_scenes_own() {
     let corner = |options| Session::new(options).settle().pop().unwrap().rgba[..4].to_vec();
     assert_eq!(corner(green), [0, 255, 0, 255]);
     assert_ne!(corner(LiveSceneOptions::default()), [0, 255, 0, 255]);
+}
+
+#[test]
+fn an_environment_is_seen_where_paths_are_traced() {
+    let picture = Radiance { name: "blue".to_owned(), width: 1, height: 1, texels: vec![[0.0, 0.0, 0.5]] };
+    let environment = Some(Environment { picture: Arc::new(picture), rotation: 0.0, strength: 2.0 });
+    let overrides = RenderDefaults { integrator: Some(Integrator::Path), ..RenderDefaults::default() };
+    let mut session = Session::new(LiveSceneOptions { environment, overrides, ..LiveSceneOptions::default() });
+    assert_eq!(session.settle().pop().unwrap().rgba[..4], [0, 0, 255, 255]);
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn run(options: &ViewOptions) -> Result<()> {
 
     let device = Device::open(options.live.machine.device)?;
     messages::fallback(&device);
-    let live_scene = LiveScene::open(options.source(), device, options.live.live_scene());
+    let live_scene = LiveScene::open(options.source(), device, options.live.live_scene()?);
     let keep = move |name: &str, content: &[u8], files: &[PathBuf]| {
         let _held = interrupt.hold();
         keep::keep(&folder, name, content, files)

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use raywarp::scene::{load, radians, LoadOptions, Loaded};
+use raywarp::scene::{load, radians, Environment, LoadOptions, Loaded};
 use raywarp::write::Outputs;
 
 use crate::failure::{ensure, Result};
@@ -27,21 +27,24 @@ pub struct EnvironmentOptions {
 impl EnvironmentOptions {
     /// Gives a scene what was asked for instead of its own.
     pub fn change(&self, loaded: &mut Loaded, outputs: &mut Outputs) -> Result<()> {
-        if let Some(path) = &self.hdri {
-            outputs.reads([path])?;
-            loaded.scene.environment = Some(load::environment(path, &LoadOptions::default())?);
-            loaded.files.push(path.clone());
-        }
+        outputs.reads(&self.hdri)?;
+        let own = loaded.scene.environment.take();
+        loaded.scene.environment = self.instead_of(own)?;
+        loaded.files.extend(self.hdri.clone());
+        Ok(())
+    }
+
+    /// What was asked for, or what there is, turned and scaled as asked.
+    pub fn instead_of(&self, own: Option<Environment>) -> Result<Option<Environment>> {
+        let asked = self.hdri.as_ref().map(|path| load::environment(path, &LoadOptions::default())).transpose()?;
+        let mut environment = asked.or(own);
         let turned = self.hdri_rotation.is_some() || self.hdri_strength.is_some();
-        ensure!(
-            !turned || loaded.scene.environment.is_some(),
-            "the scene has no environment to turn or to scale: give --hdri FILE"
-        );
-        if let Some(environment) = &mut loaded.scene.environment {
+        ensure!(!turned || environment.is_some(), "there is no environment to turn or to scale: give --hdri FILE");
+        if let Some(environment) = &mut environment {
             environment.rotation = self.hdri_rotation.map_or(environment.rotation, |angle| radians(angle.into()));
             environment.strength = self.hdri_strength.unwrap_or(environment.strength);
         }
-        Ok(())
+        Ok(environment)
     }
 
     /// The options again, as words.

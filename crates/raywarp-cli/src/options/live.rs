@@ -5,7 +5,8 @@ use raywarp::scene::RenderDefaults;
 use raywarp_viewer::live::view_settings::MAX_SAMPLES;
 use raywarp_viewer::live::LiveSceneOptions;
 
-use super::{CameraOptions, LightSettings, MachineOptions};
+use super::{CameraOptions, EnvironmentOptions, LightSettings, MachineOptions};
+use crate::failure::Result;
 use crate::values;
 
 /// How a scene is shown to people: options of `view` and `serve`.
@@ -21,21 +22,27 @@ pub struct LiveOptions {
     #[arg(long, value_name = "COLOUR", value_parser = values::color, help_heading = "Picture")]
     pub background: Option<[f32; 3]>,
     #[command(flatten)]
+    pub environment: EnvironmentOptions,
+    #[command(flatten)]
     pub camera: CameraOptions,
     #[command(flatten)]
     pub machine: MachineOptions,
 }
 
 impl LiveOptions {
-    /// The same in the viewer's words.
-    pub fn live_scene(&self) -> LiveSceneOptions {
+    /// The same in the viewer's words, with the environment read.
+    ///
+    /// # Errors
+    /// It cannot be read, or there is none to turn.
+    pub fn live_scene(&self) -> Result<LiveSceneOptions> {
         let own = RenderDefaults { spp: self.spp, ..RenderDefaults::default() };
-        LiveSceneOptions {
+        Ok(LiveSceneOptions {
             overrides: own.or(&self.light.values).or(&self.machine.structure.values),
             viewpoint: self.camera.viewpoint(),
             background: self.background,
             cached: !self.machine.no_cache,
+            environment: self.environment.instead_of(None)?,
             ..LiveSceneOptions::default()
-        }
+        })
     }
 }

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 use raywarp::accel::Build;
 use raywarp::device::Device;
-use raywarp::scene::{RenderDefaults, Viewpoint};
+use raywarp::scene::{Environment, RenderDefaults, Viewpoint};
 
 use super::edits::{Edits, Touched};
 use super::watch::Watch;
@@ -62,6 +62,8 @@ pub struct LiveSceneOptions {
     pub viewpoint: Viewpoint,
     /// One linear colour beyond the scene, instead of its own background.
     pub background: Option<[f32; 3]>,
+    /// What lights the scene from all around in path tracing, instead of its own environment.
+    pub environment: Option<Environment>,
     /// Whether trees are kept on disk.
     pub cached: bool,
     /// Scenes of fewer triangles get their good tree at once: it is there before anybody notices.
@@ -71,7 +73,7 @@ pub struct LiveSceneOptions {
 impl Default for LiveSceneOptions {
     fn default() -> Self {
         let (overrides, viewpoint) = (RenderDefaults::default(), Viewpoint::default());
-        Self { overrides, viewpoint, background: None, cached: false, at_once: 100_000 }
+        Self { overrides, viewpoint, background: None, environment: None, cached: false, at_once: 100_000 }
     }
 }
 

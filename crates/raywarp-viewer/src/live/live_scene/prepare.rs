@@ -82,6 +82,7 @@ impl Order {
     fn set_up(self, loaded: Loaded) -> Result<Ready, ViewerError> {
         let Loaded { mut scene, warnings, files, .. } = loaded;
         scene.up = self.options.viewpoint.scene_up;
+        scene.environment = self.options.environment.clone().or(scene.environment);
         scene.background = self.options.background.map(Background::constant).or(scene.background);
         let read = scene.outline();
         let edits = match self.edits {
