@@ -20,10 +20,14 @@ impl Part {
     /// Of each instance of a scene.
     pub fn of(scene: &crate::scene::Scene) -> Vec<Self> {
         let mut of_meshes = Vec::with_capacity(scene.meshes.len());
-        for mesh in &scene.meshes {
-            let mut materials = mesh.materials.clone();
-            materials.sort_unstable();
-            materials.dedup();
+        // The last mesh, counted from 1, that each material was seen in.
+        let mut seen = vec![0; scene.materials.len()];
+        for (mesh, number) in scene.meshes.iter().zip(1..) {
+            // A mesh that nothing places may name materials that are not there.
+            let is_new = |material: &u32| {
+                seen.get_mut(*material as usize).is_some_and(|last| std::mem::replace(last, number) != number)
+            };
+            let materials = mesh.materials.iter().copied().filter(is_new).collect();
             of_meshes.push(Self { triangles: mesh.triangles.len() as u32, materials });
         }
         let part = |instance: &crate::scene::Instance| {

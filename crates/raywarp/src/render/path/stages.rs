@@ -2,6 +2,7 @@
 
 use raywarp_core::kernels::Frame;
 use raywarp_core::lights::World;
+use raywarp_core::persistent::Persistent;
 use raywarp_core::ray::{HitArrays, MeshHit, Ray};
 use raywarp_core::traversal::query::{AnyHit, ClosestHit};
 use raywarp_core::view::{View, ViewMut};
@@ -16,6 +17,14 @@ use crate::render::passes::{FrameKernels, Pass};
 /// Most paths under way at once: enough to fill a large GPU, and on a CPU little enough to stay in its caches.
 const MOST_ON_GPU: u32 = 1 << 21;
 const MOST_ON_CPU: u32 = 1 << 14;
+
+/// Bytes of a path under way, in all arrays of [`Paths`].
+const SLOT: u64 = (2 * size_of::<Ray>()
+    + size_of::<Path>()
+    + size_of::<MeshHit>()
+    + size_of::<Direct>()
+    + 2 * size_of::<u32>()
+    + size_of::<f32>()) as u64;
 
 /// What stands in the way of rays, beside closed triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,8 +55,8 @@ impl Paths {
     pub fn new(device: &Device, [width, height]: [u32; 2]) -> Result<Self, DeviceError> {
         let slots = rows_at_once(device, width).min(height) * width;
         let len = slots as usize;
-        let bytes = len as u64 * 148;
-        device.reserve(bytes, "the paths of the picture")?;
+        device.reserve(len as u64 * SLOT, "the paths of the picture")?;
+        let numbers = || device.zeroed(Persistent::<ClosestHit>::NUMBERS);
         Ok(Self {
             slots,
             rays: device.zeroed(len)?,
@@ -58,7 +67,7 @@ impl Paths {
             direct: device.zeroed(len)?,
             occluded: device.zeroed(len)?,
             shares: device.zeroed(len)?,
-            numbers: [device.zeroed(2)?, device.zeroed(2)?],
+            numbers: [numbers()?, numbers()?],
         })
     }
 
